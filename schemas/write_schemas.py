@@ -13,8 +13,8 @@ from preprocessing.builders.body_file import BodyFile
 from preprocessing.builders.frame_file import FrameFile
 from preprocessing.builders.skin_file import SkinFile
 from toolkit.api.plane import parts_of_scenes
+from toolkit.files.scene_schema import DRAFT, scene_schema, tidy
 from toolkit.foundation.files.safe_files import replaced
-from toolkit.scene_file.schema import DRAFT, scene_schema, tidy
 from toolkit.studies.study_file import Study
 
 WIDTH = 120

@@ -22,9 +22,9 @@ from preprocessing.foreign_files.apart import ReaderEnded
 from preprocessing.foreign_files.child import reading
 from preprocessing.foreign_files.wire import send
 from toolkit.command_line.rehearsal import rehearse
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation import processes
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
 
 MODELS = Path(__file__).parents[1] / "models"
 PLANE, SPACE = "four_bar_chain", "spatial_bracket"

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from toolkit import air, bridges
+    from toolkit.analyses.sensitivity.certificate.certificate import certify
+    from toolkit.analyses.sensitivity.run import Run, load
     from toolkit.api import extend, plane, space
     from toolkit.api.describe import describe
     from toolkit.api.many_designs import optimize, sweep, uncertainty
@@ -17,12 +19,10 @@ if TYPE_CHECKING:
     from toolkit.api.model import compile_model as compile
     from toolkit.api.outcome import Outcome
     from toolkit.description.run_options import RunOptions
+    from toolkit.files.scene_reader import read_scene
     from toolkit.foundation.errors import ToolkitError
     from toolkit.foundation.verdict import Caution, Verdict
     from toolkit.scene.scene import Scene
-    from toolkit.scene_file.reader import read_scene
-    from toolkit.sensitivity.certificate.certificate import certify
-    from toolkit.sensitivity.run import Run, load
     from toolkit.studies.optimization.optimum import Optimum
     from toolkit.studies.study_file import Study, read_study
     from toolkit.studies.sweep import Swept
@@ -33,7 +33,7 @@ _PLACES = {
     "Model": "toolkit.api.model:Model",
     "Optimum": "toolkit.studies.optimization.optimum:Optimum",
     "Outcome": "toolkit.api.outcome:Outcome",
-    "Run": "toolkit.sensitivity.run:Run",
+    "Run": "toolkit.analyses.sensitivity.run:Run",
     "RunOptions": "toolkit.description.run_options:RunOptions",
     "Scene": "toolkit.scene.scene:Scene",
     "Study": "toolkit.studies.study_file:Study",
@@ -43,14 +43,14 @@ _PLACES = {
     "Verdict": "toolkit.foundation.verdict:Verdict",
     "air": "toolkit.air:",
     "bridges": "toolkit.bridges:",
-    "certify": "toolkit.sensitivity.certificate.certificate:certify",
+    "certify": "toolkit.analyses.sensitivity.certificate.certificate:certify",
     "compile": "toolkit.api.model:compile_model",
     "describe": "toolkit.api.describe:describe",
     "extend": "toolkit.api.extend:",
-    "load": "toolkit.sensitivity.run:load",
+    "load": "toolkit.analyses.sensitivity.run:load",
     "optimize": "toolkit.api.many_designs:optimize",
     "plane": "toolkit.api.plane:",
-    "read_scene": "toolkit.scene_file.reader:read_scene",
+    "read_scene": "toolkit.files.scene_reader:read_scene",
     "read_study": "toolkit.studies.study_file:read_study",
     "space": "toolkit.api.space:",
     "sweep": "toolkit.api.many_designs:sweep",

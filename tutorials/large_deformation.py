@@ -12,8 +12,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import ffrf
+from toolkit.analyses.sensitivity.certificate.whole_mechanism import compare_mechanism
 from toolkit.responses.shape_error import shape_error_history
-from toolkit.sensitivity.certificate.whole_mechanism import compare_mechanism
 from toolkit.validity.bodies.deformation import node_places
 
 WING = Path(__file__).parents[1] / "models" / "morphing_wing" / "scene.toml"

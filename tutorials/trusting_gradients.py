@@ -12,7 +12,7 @@ The mechanism is the slider-crank of `models/`, whose gradients were published w
 from pathlib import Path
 
 import ffrf
-from toolkit.sensitivity.certificate.differences import step_study, taylor_rates
+from toolkit.analyses.sensitivity.certificate.differences import step_study, taylor_rates
 
 MODELS = Path(__file__).parents[1] / "models"
 short = {"solver.end_time": "1.0", "solver.step": "0.02"}  # 50 steps, for one of the ways is slow

@@ -39,7 +39,7 @@ from preprocessing.builders.skin_file import (
     SkinFile,
 )
 from preprocessing.builders.tables import BasisTable, Damping
-from toolkit.curves.catalogue import Curve
+from toolkit.components.curves.catalogue import Curve
 from toolkit.description.design import BodyPoint, CommonVariable
 from toolkit.description.run_options import Baumgarte, RunOptions
 from toolkit.foundation.files.safe_files import write_whole

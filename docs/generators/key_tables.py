@@ -9,7 +9,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from docs.generators.comments import meanings
-from toolkit.curves.curve import PLACEHOLDER
+from toolkit.components.curves.curve import PLACEHOLDER
 from toolkit.description.description import Quantity
 
 BOUNDS = {"exclusiveMinimum": "&gt;", "minimum": "&ge;", "exclusiveMaximum": "&lt;", "maximum": "&le;"}

@@ -36,7 +36,7 @@ from preprocessing.elements.element import (
     weighted_sum,
 )
 from preprocessing.elements.section import ONE, Fibre, Patch, SectionShape, SectionTerm, Sheared, Term, Terms, monomial
-from toolkit.kinematics.beam_elements import BeamElements, length
+from toolkit.foundation.kinematics.beam_elements import BeamElements, length
 from toolkit.reduced_model.model import StressPoints
 
 

@@ -12,17 +12,17 @@ from typer.testing import CliRunner
 from tests.spatial.test_frames import AREA, RHO, SECOND, E, Z, beam, elastic_frequencies
 from toolkit.analyses.modes import Modes, solve_modes, undeformed
 from toolkit.analyses.statics import solve_statics
-from toolkit.bodies.flexible import SpatialFlexible
-from toolkit.bodies.rigid import Rigid
 from toolkit.command_line.cli import app
-from toolkit.curves.rise import SmoothStep
+from toolkit.components.bodies.flexible import SpatialFlexible
+from toolkit.components.bodies.rigid import Rigid
+from toolkit.components.curves.rise import SmoothStep
+from toolkit.components.joints.driver import AngleDriver
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.loads.springs import RotationalSpringDamper
 from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.driver import AngleDriver
-from toolkit.joints.revolute import Revolute
-from toolkit.loads.springs import RotationalSpringDamper
+from toolkit.files.scene_reader import read_scene
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
 from toolkit.system.system import compile_scene
 from toolkit.validity.start_cautions import cautions_of_start
 

@@ -20,11 +20,11 @@ import ffrf
 import preprocessing
 import toolkit
 from toolkit.analyses import transient
-from toolkit.curves.catalogue import Curve
+from toolkit.analyses.sensitivity.direct import direct
+from toolkit.analyses.sensitivity.preparation import ANALYSES
+from toolkit.components.curves.catalogue import Curve
 from toolkit.responses.response import Response
 from toolkit.scene.kinds import kinds_of
-from toolkit.sensitivity.direct import direct
-from toolkit.sensitivity.preparation import ANALYSES
 
 MODELS = Path(__file__).parents[2] / "models"
 WING = MODELS / "morphing_wing" / "scene.toml"

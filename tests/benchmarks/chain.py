@@ -1,10 +1,10 @@
 """A chain of rods swinging under gravity: a mechanism whose size can be chosen."""
 
-from toolkit.bodies.rigid import Rod
+from toolkit.components.bodies.rigid import Rod
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.loads.gravity import Gravity
 from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.revolute import Revolute
-from toolkit.loads.gravity import Gravity
 from toolkit.scene.scene import Scene
 
 

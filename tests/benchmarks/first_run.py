@@ -16,7 +16,7 @@ STAGES = """
 import sys, time
 from toolkit.command_line.rehearsal import rehearse, rehearse_others
 from toolkit.foundation.compiled.compile_watch import watched_compilation
-from toolkit.scene_file.reader import read_scene
+from toolkit.files.scene_reader import read_scene
 
 scene = read_scene(sys.argv[1])
 for name, work in (

@@ -17,14 +17,14 @@ from pathlib import Path
 from preprocessing import build
 from preprocessing.elements.section import QUANTITIES
 from tests.benchmarks.chain import chain
+from toolkit.analyses.sensitivity.adjoint import adjoint_gradients
+from toolkit.analyses.sensitivity.preparation import prepare, responses_of
 from toolkit.analyses.transient import simulate
+from toolkit.files.scene_reader import read_scene
 from toolkit.reduced_model.file import save
 from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.adjoint import adjoint_gradients
-from toolkit.sensitivity.preparation import prepare, responses_of
 from toolkit.system.system import System
 
 WING = Path(__file__).parents[2] / "models" / "morphing_wing"

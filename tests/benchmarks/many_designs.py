@@ -13,8 +13,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import ffrf
+from toolkit.analyses.sensitivity.preparation import evaluate_with_gradients
 from toolkit.analyses.transient import simulate
-from toolkit.sensitivity.preparation import evaluate_with_gradients
 
 WING = Path(__file__).parents[2] / "models" / "morphing_wing" / "scene.toml"
 COUNT, REPEATS, JUDGED = 200, 3, 10

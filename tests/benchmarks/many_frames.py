@@ -18,9 +18,9 @@ from preprocessing.elements.section import Section
 from tests.benchmarks.gradient_cost import run_direct, run_primal
 from tests.benchmarks.measure import WING
 from tests.models.beam_models import save_beam
+from toolkit.analyses.sensitivity.preparation import prepare
 from toolkit.analyses.transient import simulate
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.preparation import prepare
+from toolkit.files.scene_reader import read_scene
 from toolkit.system.system import compile_scene
 
 ELEMENTS = 1000

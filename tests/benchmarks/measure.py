@@ -10,8 +10,8 @@ from pathlib import Path
 
 from tests.benchmarks.chain import chain
 from toolkit.analyses.transient import simulate
+from toolkit.files.scene_reader import read_scene
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
 from toolkit.system.system import compile_scene
 
 WING = Path(__file__).parents[2] / "models" / "morphing_wing" / "scene.toml"

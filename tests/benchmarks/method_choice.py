@@ -1,7 +1,7 @@
 """What gradients cost by both exact methods, and the model that `--method auto` chooses by.
 
 `python -m tests.benchmarks.method_choice` takes a few minutes and prints measured and modelled times per step beside the run itself, by
-how much the chosen method is slower than the better one, and the prices of `toolkit.sensitivity.methods` that fit this machine best.
+how much the chosen method is slower than the better one, and the prices of `sensitivity.methods` that fit this machine best.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from scipy.optimize import nnls
 
 from tests.benchmarks.chain import chain
 from tests.benchmarks.measure import WING, variables
+from toolkit.analyses.sensitivity.adjoint import adjoint_gradients
+from toolkit.analyses.sensitivity.methods import ADJOINT, DIRECT, adjoint_work, direct_work
+from toolkit.analyses.sensitivity.preparation import prepare, responses_of
 from toolkit.analyses.transient import simulate
+from toolkit.files.scene_reader import read_scene
 from toolkit.responses.joint_force import JointForce
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.adjoint import adjoint_gradients
-from toolkit.sensitivity.methods import ADJOINT, DIRECT, adjoint_work, direct_work
-from toolkit.sensitivity.preparation import prepare, responses_of
 
 REPEATS = 3
 

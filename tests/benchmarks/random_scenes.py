@@ -54,14 +54,14 @@ from tests.random_scenes.reference import (
 )
 from tests.random_scenes.scene import named_scene
 from tests.random_scenes.strained import strained_scene
+from toolkit.analyses.sensitivity.compiled import Compiled
+from toolkit.analyses.sensitivity.errors.step_cautions import GRADIENT_LIMIT as GRADIENT
+from toolkit.analyses.sensitivity.errors.step_cautions import VALUE_LIMIT
+from toolkit.analyses.sensitivity.methods import by_method
+from toolkit.analyses.sensitivity.run import Run
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Verdict
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.compiled import Compiled
-from toolkit.sensitivity.errors.step_cautions import GRADIENT_LIMIT as GRADIENT
-from toolkit.sensitivity.errors.step_cautions import VALUE_LIMIT
-from toolkit.sensitivity.methods import by_method
-from toolkit.sensitivity.run import Run
 from toolkit.system.solution import Solution
 from toolkit.validity.energy_balance import energy_balance
 

@@ -14,12 +14,12 @@ from pathlib import Path
 
 from preprocessing import build
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.flexible import SpatialFlexible
-from toolkit.bodies.rigid import SpatialRod
+from toolkit.components.bodies.flexible import SpatialFlexible
+from toolkit.components.bodies.rigid import SpatialRod
+from toolkit.components.joints.spherical import Spherical
+from toolkit.components.loads.gravity import SpatialGravity
 from toolkit.description.design import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.spherical import Spherical
-from toolkit.loads.gravity import SpatialGravity
 from toolkit.reduced_model.file import save
 from toolkit.scene.scene import Scene
 from toolkit.system.system import compile_scene

@@ -20,13 +20,13 @@ from types import GeneratorType
 from typing import Any, NamedTuple
 
 import toolkit
+from toolkit.analyses.sensitivity import run as run_checks
+from toolkit.analyses.sensitivity.errors import step_error
+from toolkit.analyses.sensitivity.preparation import Kind
+from toolkit.analyses.sensitivity.run import Run
 from toolkit.api.model import Model
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import ToolkitError
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity import run as run_checks
-from toolkit.sensitivity.errors import step_error
-from toolkit.sensitivity.preparation import Kind
-from toolkit.sensitivity.run import Run
 from toolkit.validity import judge
 
 MODELS = Path(__file__).parents[2] / "models"
@@ -37,7 +37,7 @@ ANALYSES: dict[str, tuple[Kind, bool]] = {
     "sensitivity": ("transient", True),
 }
 """Command -> analysis, and whether gradients are wanted."""
-ROOMS = ("toolkit.validity.", "toolkit.sensitivity.", "toolkit.responses.")
+ROOMS = ("toolkit.validity.", "toolkit.analyses.sensitivity.", "toolkit.responses.")
 """Where checks are defined."""
 NO_CHECKS = {"responses_of", "moving", "Caution"}
 COUNTS = 0.01

@@ -16,6 +16,9 @@ from typer.testing import CliRunner
 
 from preprocessing.builders.build_model import read_recipe
 from preprocessing.commands.cli import app as preprocess
+from toolkit.analyses.sensitivity.certificate import certificate
+from toolkit.analyses.sensitivity.preparation import evaluate_responses, prepare, solve
+from toolkit.analyses.sensitivity.run import run_of
 from toolkit.api.model import compile_model
 from toolkit.command_line import cli
 from toolkit.command_line.announcements import compile_before
@@ -23,13 +26,10 @@ from toolkit.command_line.cli import app
 from toolkit.command_line.keeping import free_motions_of, solved
 from toolkit.command_line.printing import prepare_folder
 from toolkit.command_line.run_answer import RunAnswer
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.safe_files import OWN, list_own, listed, own_set
 from toolkit.foundation.verdict import finite
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.certificate import certificate
-from toolkit.sensitivity.preparation import evaluate_responses, prepare, solve
-from toolkit.sensitivity.run import run_of
 
 ROOT = Path(__file__).parents[2]
 SCENE = str(ROOT / "models" / "morphing_wing" / "scene.toml")

@@ -14,15 +14,15 @@ import pytest
 from numba.core import event
 from typer.testing import CliRunner
 
+from toolkit.analyses.sensitivity.preparation import price
 from toolkit.command_line import announcements
 from toolkit.command_line.announcements import compile_before
 from toolkit.command_line.cli import app
 from toolkit.command_line.rehearsal import rehearse, rehearse_everything, rehearse_others
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.compiled.compile_watch import watched_compilation
 from toolkit.scene.resolution import loaded
 from toolkit.scene.space import PLANE
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.preparation import price
 from toolkit.system.evaluation import formulas_of
 
 ROOT = Path(__file__).parents[2]
@@ -35,10 +35,10 @@ from toolkit.command_line.announcements import BACKWARDS, compile_before
 from toolkit.command_line.rehearsal import rehearse
 from toolkit.command_line.cli import app
 from toolkit.foundation.compiled.compile_watch import watched_compilation
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.preparation import evaluate_responses
-from toolkit.sensitivity.preparation import prepare, solve
-from toolkit.sensitivity.methods import gradients_by
+from toolkit.files.scene_reader import read_scene
+from toolkit.analyses.sensitivity.preparation import evaluate_responses
+from toolkit.analyses.sensitivity.preparation import prepare, solve
+from toolkit.analyses.sensitivity.methods import gradients_by
 
 def loaded():
     ours = [vars(module).values() for name, module in list(sys.modules.items()) if name.startswith("toolkit")]
@@ -202,7 +202,7 @@ def test_a_repetition_that_compiles_does_not_count(monkeypatch):
         pretend_to_compile()
     watch.seconds, watch.rest = 298.0, 4.0
     times = iter([10.0, 12.0])
-    monkeypatch.setattr("toolkit.sensitivity.preparation.clock", SimpleNamespace(perf_counter=lambda: next(times)))
+    monkeypatch.setattr("toolkit.analyses.sensitivity.preparation.clock", SimpleNamespace(perf_counter=lambda: next(times)))
     assert price(watch, True, lambda: None) == 2.0
     assert price(watch, False, lambda: None) == 4.0
     assert list(times) == []
@@ -213,7 +213,7 @@ def test_code_that_was_never_compiled_is_compiled_under_watch(tmp_path):
     code = """
 from toolkit.command_line.cli import app
 from toolkit.foundation.compiled.compile_watch import watched_compilation
-from toolkit.joints.kernels.laws import SIGNATURE, angle_law
+from toolkit.components.joints.kernels.laws import SIGNATURE, angle_law
 with watched_compilation() as watch:
     angle_law.compile(SIGNATURE)
 print(watch.functions, watch.seconds > 0)

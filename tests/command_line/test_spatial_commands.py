@@ -13,13 +13,13 @@ from tests.command_line.test_cli import record, refused, run
 from tests.models.spatial_cases import write_models
 from tests.models.spatial_every_number import SCENES
 from tests.scene.test_wrong_spatial_scenes import DOOR
+from toolkit.analyses.sensitivity.run import restored
 from toolkit.analyses.transient import simulate
 from toolkit.description.run_options import RunOptions
+from toolkit.files.results_file import load_results
+from toolkit.files.scene_reader import read_scene
 from toolkit.reduced_model.file import save
-from toolkit.results.results_file import load_results
 from toolkit.scene.resolution import loaded
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.run import restored
 from toolkit.studies.stability.maps import load_map, mass_map, speed_map, stiffness_map
 from toolkit.system.system import compile_scene
 from toolkit.validity.bodies.critical_speed import critical_speed, too_fast_at_start, too_fast_in_motion

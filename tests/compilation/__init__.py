@@ -1,1 +1,1 @@
-"""Tests of the room `toolkit.compilation`."""
+"""Tests of the room `toolkit.system`."""

@@ -8,11 +8,11 @@ import numpy as np
 
 from tests.benchmarks.chain import chain
 from tests.models.scenes import hanging_skin
-from toolkit.compilation.dependence import affected_by, affected_items, users_by_name
-from toolkit.compilation.numbering import number
-from toolkit.compilation.quantities import STEP, Quantities, evaluate_quantities
 from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
+from toolkit.system.dependence import affected_by, affected_items, users_by_name
+from toolkit.system.numbering import number
+from toolkit.system.quantities import STEP, Quantities, evaluate_quantities
 
 KINDS = ("start", "constant", "floating", "markers", "joints", "loads")
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from tests.models.spatial_cases import KINDS, SpatialCase
-from toolkit.conformance.comparison import inputs, random_state
-from toolkit.joints.joint import Joint
-from toolkit.joints.kernels.laws import angle_law
+from toolkit.api.comparison import inputs, random_state
+from toolkit.components.joints.joint import Joint
+from toolkit.components.joints.kernels.laws import angle_law
 from toolkit.system.system import System, compile_scene
 
 JOINTS = [(name, kind, numbers) for name, kind, numbers in KINDS if issubclass(kind, Joint)]

@@ -14,17 +14,17 @@ from tests.models.cases import write_models
 from tests.models.every_number import SCENES as PLANAR
 from tests.models.spatial_cases import write_models as write_spatial_models
 from tests.models.spatial_every_number import SCENES as SPATIAL
-from toolkit.bodies.body import MarkerNumbers
-from toolkit.compilation.numbering import number
-from toolkit.compilation.pattern import NewEntryError, renew
-from toolkit.compilation.quantities import GROUPS, STEP, Quantities, derivatives, evaluate_quantities, seen_quantities
-from toolkit.curves.curve import Curve
+from toolkit.analyses.sensitivity.preparation import evaluate_with_gradients, prepare, solve
+from toolkit.components.bodies.body import MarkerNumbers
+from toolkit.components.curves.curve import Curve
+from toolkit.components.loads.torque import Torque
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import InputError
-from toolkit.loads.torque import Torque
 from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.preparation import evaluate_with_gradients, prepare, solve
+from toolkit.system.numbering import number
+from toolkit.system.pattern import NewEntryError, renew
+from toolkit.system.quantities import GROUPS, STEP, Quantities, derivatives, evaluate_quantities, seen_quantities
 from toolkit.system.renewal import renewed
 from toolkit.system.system import System
 

@@ -1,1 +1,1 @@
-"""Tests of the room `toolkit.cost_summary`."""
+"""Tests of the room `toolkit.report`."""

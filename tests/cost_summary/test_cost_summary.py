@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 
 from tests.models.scenes import HANGING_DESIGN, MODELS, hanging_skin
+from toolkit.analyses.sensitivity.preparation import evaluate_responses, prepare, responses_of, solve
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.model_body import FRAME
-from toolkit.cost_summary.cost_summary import cost_summary, costs
-from toolkit.cost_summary.cost_terms import prepare_everything, with_frames
+from toolkit.components.bodies.flexible import Flexible
+from toolkit.components.bodies.model_body import FRAME
+from toolkit.components.joints.revolute import Revolute
 from toolkit.description.design import BodyPoint
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.files.hdf5 import Content
-from toolkit.joints.revolute import Revolute
 from toolkit.reduced_model.file import load
+from toolkit.report.cost_summary import cost_summary, costs
+from toolkit.report.cost_terms import prepare_everything, with_frames
 from toolkit.scene.scene import Scene, forget_models
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.preparation import evaluate_responses, prepare, responses_of, solve
 from toolkit.system.system import compile_scene
 
 

@@ -8,13 +8,13 @@ from pydantic import ValidationError
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from tests.models.curves import CURVES, RISING, ROUGH, ROWS, VALUES, built_in_curves
-from toolkit.conformance.check import check_curve
-from toolkit.curves.combined import Product, Sequence, Sum
-from toolkit.curves.curve import Curve
-from toolkit.curves.oscillation import Harmonic, Sine
-from toolkit.curves.polynomial import Constant, Polynomial
-from toolkit.curves.rise import Cycloid, Ramp, SmoothStep
-from toolkit.curves.table import Table
+from toolkit.api.check import check_curve
+from toolkit.components.curves.combined import Product, Sequence, Sum
+from toolkit.components.curves.curve import Curve
+from toolkit.components.curves.oscillation import Harmonic, Sine
+from toolkit.components.curves.polynomial import Constant, Polynomial
+from toolkit.components.curves.rise import Cycloid, Ramp, SmoothStep
+from toolkit.components.curves.table import Table
 from toolkit.description.description import Number, Quantity
 from toolkit.foundation.errors import ConformanceError
 

@@ -12,27 +12,27 @@ import pytest
 from ffrf import extend
 from tests.models.curves import CURVES, ROUGH
 from tests.scene_file.test_schemas import complaints
-from toolkit.bodies.rigid import Rigid, SpatialRigid
-from toolkit.curves.combined import Product, Sequence, Sum
-from toolkit.curves.curve import Curve
-from toolkit.curves.oscillation import Sine
-from toolkit.curves.polynomial import Constant, Polynomial
-from toolkit.curves.rise import Cycloid
+from toolkit.analyses.sensitivity.methods import gradients_by
+from toolkit.components.bodies.rigid import Rigid, SpatialRigid
+from toolkit.components.curves.combined import Product, Sequence, Sum
+from toolkit.components.curves.curve import Curve
+from toolkit.components.curves.oscillation import Sine
+from toolkit.components.curves.polynomial import Constant, Polynomial
+from toolkit.components.curves.rise import Cycloid
+from toolkit.components.joints.driver import AngleDriver, PositionDriver, SpatialAngleDriver, SpatialPositionDriver
+from toolkit.components.joints.prismatic import Prismatic
+from toolkit.components.joints.revolute import Revolute, SpatialRevolute
+from toolkit.components.joints.slider import Slider
+from toolkit.components.loads.point_force import PointForce, SpatialPointForce
 from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
+from toolkit.files.gradient_units import converted, variable_unit
+from toolkit.files.results import table_of
+from toolkit.files.scene_reader import read_scene, scene_from_table
 from toolkit.foundation.errors import InputError
-from toolkit.joints.driver import AngleDriver, PositionDriver, SpatialAngleDriver, SpatialPositionDriver
-from toolkit.joints.prismatic import Prismatic
-from toolkit.joints.revolute import Revolute, SpatialRevolute
-from toolkit.joints.slider import Slider
-from toolkit.loads.point_force import PointForce, SpatialPointForce
 from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement
-from toolkit.results.results import table_of
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.gradient_units import converted, variable_unit
-from toolkit.scene_file.reader import read_scene, scene_from_table
-from toolkit.sensitivity.methods import gradients_by
 
 INERTIA, MASS, END, STEPS = 0.7, 1.3, 1.6, 400
 SOLVER = RunOptions(end_time=END, step=END / STEPS, tolerance=1e-12, drift_tolerance=0.1, assemble=True)

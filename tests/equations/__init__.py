@@ -1,1 +1,1 @@
-"""Tests of the room `toolkit.equations`."""
+"""Tests of the room `toolkit.system`."""

@@ -11,19 +11,19 @@ from scipy.linalg import eigh
 from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.curves.combined import Sum
-from toolkit.curves.oscillation import Sine
-from toolkit.curves.rise import SmoothStep
+from toolkit.components.bodies.flexible import Flexible
+from toolkit.components.bodies.rigid import Rigid, Rod
+from toolkit.components.curves.combined import Sum
+from toolkit.components.curves.oscillation import Sine
+from toolkit.components.curves.rise import SmoothStep
+from toolkit.components.joints.driver import AngleDriver
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.loads.gravity import Gravity
+from toolkit.components.loads.springs import RotationalSpringDamper, SpringDamper
+from toolkit.components.loads.torque import Torque
 from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.driver import AngleDriver
-from toolkit.joints.revolute import Revolute
-from toolkit.kinematics.orientation import rotation
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
-from toolkit.loads.torque import Torque
+from toolkit.foundation.kinematics.orientation import rotation
 from toolkit.reduced_model.file import load
 from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene

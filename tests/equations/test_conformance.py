@@ -20,29 +20,29 @@ from tests.models.cases import CASES, Case, write_models
 from tests.models.four_bars import four_bars
 from tests.models.scenes import WING
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.body import Body
-from toolkit.bodies.rigid import Rigid
-from toolkit.compilation.joint_arrays import laws_of
-from toolkit.conformance.check import check_joint, check_laws, check_load, check_load_formula, check_scene
-from toolkit.conformance.comparison import STEP, check_state_derivatives, inputs, plain_terms, random_state
+from toolkit.api.check import check_joint, check_laws, check_load, check_load_formula, check_scene
+from toolkit.api.comparison import STEP, check_state_derivatives, inputs, plain_terms, random_state
+from toolkit.components.bodies.body import Body
+from toolkit.components.bodies.rigid import Rigid
+from toolkit.components.joints.driver import PositionDriver
+from toolkit.components.joints.joint import Joint, PlanarJoint, PointJoint
+from toolkit.components.joints.kernels.records import PINNED
+from toolkit.components.joints.rows import Row
+from toolkit.components.joints.slider import Slider
+from toolkit.components.loads.gravity import Gravity
+from toolkit.components.loads.load import Load, PlanarLoad
+from toolkit.components.loads.springs import SpringDamper
+from toolkit.components.loads.torque import Torque
+from toolkit.components.markers.component import Skeleton
 from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import ConformanceError, InputError
 from toolkit.foundation.kernel import kernel
-from toolkit.joints.driver import PositionDriver
-from toolkit.joints.joint import Joint, PlanarJoint, PointJoint
-from toolkit.joints.kernels.records import PINNED
-from toolkit.joints.rows import Row
-from toolkit.joints.slider import Slider
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.load import Load, PlanarLoad
-from toolkit.loads.springs import SpringDamper
-from toolkit.loads.torque import Torque
-from toolkit.markers.component import Skeleton
 from toolkit.scene.kinds import kinds_of
 from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
+from toolkit.system.joint_arrays import laws_of
 from toolkit.system.system import System, compile_scene
 
 

@@ -8,7 +8,10 @@ import numpy as np
 import pytest
 
 from tests.models.scenes import HANGING_DESIGN, hanging_skin
-from toolkit.equations.equations import (
+from toolkit.foundation.compiled.rows import filled_up
+from toolkit.foundation.kernel import plain
+from toolkit.solvers.transient.scheme import scheme_of
+from toolkit.system.equations import (
     STEPS_SUMMED_AT_ONCE,
     Plan,
     add_up,
@@ -18,9 +21,6 @@ from toolkit.equations.equations import (
     evaluate_all,
     gather,
 )
-from toolkit.foundation.compiled.rows import filled_up
-from toolkit.foundation.kernel import plain
-from toolkit.solvers.transient.scheme import scheme_of
 from toolkit.system.system import System, compile_scene, plain_formulas_of
 
 ROUND_OFF = 1e-12

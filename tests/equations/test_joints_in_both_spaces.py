@@ -10,18 +10,18 @@ from tests.models.cases import write_models as write_planar
 from tests.models.spatial_cases import AXIS, SpatialCase
 from tests.models.spatial_cases import write_models as write_spatial
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.rigid import Rigid, SpatialRigid
-from toolkit.conformance.check import check_joint
-from toolkit.conformance.comparison import inputs, random_state
+from toolkit.api.check import check_joint
+from toolkit.api.comparison import inputs, random_state
+from toolkit.components.bodies.rigid import Rigid, SpatialRigid
+from toolkit.components.joints.joint import AtPoint, AxisJoint, Joint, PlanarJoint, PointJoint, SpatialJoint
+from toolkit.components.joints.kernels.laws import angle_of
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.joints.rows import Row, angle
+from toolkit.components.loads.torque import SpatialTorque, Torque
 from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConformanceError, InputError
 from toolkit.foundation.kernel import kernel
-from toolkit.joints.joint import AtPoint, AxisJoint, Joint, PlanarJoint, PointJoint, SpatialJoint
-from toolkit.joints.kernels.laws import angle_of
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.rows import Row, angle
-from toolkit.loads.torque import SpatialTorque, Torque
 from toolkit.scene.scene import Scene
 from toolkit.system.system import compile_scene
 

@@ -17,17 +17,17 @@ from tests.models.any_scene import (  # noqa: F401  (they run on the scenes of t
 )
 from tests.models.spatial_cases import AXIS, CASES, SpatialCase, write_models
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.rigid import SpatialRigid
-from toolkit.conformance.check import check_joint, check_load, check_load_formula, check_scene
+from toolkit.api.check import check_joint, check_load, check_load_formula, check_scene
+from toolkit.components.bodies.rigid import SpatialRigid
+from toolkit.components.joints.joint import AxisJoint, SpatialPointJoint
+from toolkit.components.joints.rows import Form, Row
+from toolkit.components.loads.load import Load, SpatialLoad
+from toolkit.components.loads.springs import SpatialSpringDamper
+from toolkit.components.markers.component import Skeleton
 from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConformanceError, InputError
 from toolkit.foundation.kernel import kernel
-from toolkit.joints.joint import AxisJoint, SpatialPointJoint
-from toolkit.joints.rows import Form, Row
-from toolkit.loads.load import Load, SpatialLoad
-from toolkit.loads.springs import SpatialSpringDamper
-from toolkit.markers.component import Skeleton
 from toolkit.scene.scene import Scene
 from toolkit.system.system import compile_scene
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from tests.models.scenes import WING
+from toolkit.analyses.sensitivity.direct import direct
+from toolkit.analyses.sensitivity.preparation import prepare, solve
+from toolkit.files.scene_reader import read_scene
 from toolkit.responses.stress import KSStress, MaxStress, gap_bound, kreisselmeier_steinhauser, stress_field
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.direct import direct
-from toolkit.sensitivity.preparation import prepare, solve
 
 RATES = [1e-6, 1e-3, 1.0, 1e3, 1e6]
 """rho in 1/MPa."""

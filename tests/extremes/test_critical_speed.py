@@ -10,7 +10,7 @@ import pytest
 
 from toolkit.analyses.transient import simulate
 from toolkit.description.run_options import RunOptions
-from toolkit.scene_file.reader import read_scene
+from toolkit.files.scene_reader import read_scene
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
 from toolkit.validity.bodies.critical_speed import critical_speed, too_fast_at_start, too_fast_in_motion

@@ -10,11 +10,11 @@ import pytest
 import ffrf
 from preprocessing import build
 from tests.models.scenes import MODELS, WING
-from toolkit.bodies.chain_strains import no_strains
-from toolkit.compilation import pattern
+from toolkit.analyses.sensitivity.methods import gradients_by
+from toolkit.components.bodies.chain_strains import no_strains
 from toolkit.foundation.errors import ConvergenceError, CriticalPointError
 from toolkit.reduced_model.file import save
-from toolkit.sensitivity.methods import gradients_by
+from toolkit.system import pattern
 from toolkit.system.system import compile_scene
 
 TIMES = 10
@@ -44,7 +44,7 @@ def test_round_off_of_a_fine_skin_stays_below_the_tolerance(fine):
 
 def test_statics_does_not_take_round_off_for_a_limit_point(monkeypatch):
     """Where it keeps Newton from the tolerance, nothing is said of a snap or of buckling."""
-    monkeypatch.setattr("toolkit.bodies.flexible.chain_strains", lambda *_: no_strains())
+    monkeypatch.setattr("toolkit.components.bodies.flexible.chain_strains", lambda *_: no_strains())
     monkeypatch.setattr(pattern, "COMPENSATED_PART", 2.0)  # all products are summed as usual
     model = ffrf.compile(ffrf.read_scene(WING, {"solver.tolerance": "1e-13"}))
     with pytest.raises(

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.rigid import Rod
+from toolkit.components.bodies.rigid import Rod
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.loads.gravity import Gravity
 from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.revolute import Revolute
-from toolkit.loads.gravity import Gravity
 from toolkit.scene.scene import Scene
 from toolkit.system.system import compile_scene
 

@@ -7,13 +7,13 @@ import pytest
 
 from toolkit.analyses.modes import solve_modes, undeformed
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.rigid import Rigid, Rod
+from toolkit.components.bodies.rigid import Rigid, Rod
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.joints.slider import Slider
+from toolkit.components.loads.gravity import Gravity
+from toolkit.components.loads.springs import SpringDamper
 from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.slider import Slider
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.springs import SpringDamper
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene

@@ -11,21 +11,21 @@ import pytest
 from tests.models.cases import write_models
 from tests.models.every_number import SCENES
 from tests.models.scenes import WING, hanging_skin
+from toolkit.analyses.sensitivity.preparation import evaluate_responses, prepare
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.flexible import Flexible
+from toolkit.components.bodies.flexible import Flexible
+from toolkit.components.loads.bushing import Bushing
+from toolkit.components.loads.gravity import Gravity
+from toolkit.components.loads.point_force import PointForce
 from toolkit.description.design import Point
-from toolkit.kinematics.orientation import rotation
-from toolkit.loads.bushing import Bushing
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.point_force import PointForce
+from toolkit.files.scene_reader import read_scene
+from toolkit.foundation.kinematics.orientation import rotation
 from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement
 from toolkit.responses.response import Response
 from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.preparation import evaluate_responses, prepare
 from toolkit.system.solution import Solution
 
 NAMES = [*SCENES, "hanging skin", "wing"]

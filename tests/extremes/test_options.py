@@ -11,12 +11,12 @@ from tests.models.scenes import WING
 from tests.solvers.test_trades import damped_slider, swinging
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.curves.polynomial import Constant
-from toolkit.curves.table import Table
+from toolkit.components.curves.polynomial import Constant
+from toolkit.components.curves.table import Table
+from toolkit.components.loads.torque import Torque
 from toolkit.description.run_options import RunOptions
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import ConvergenceError, SingularSystemError
-from toolkit.loads.torque import Torque
-from toolkit.scene_file.reader import read_scene
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
 

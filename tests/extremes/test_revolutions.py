@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.rigid import Rod
-from toolkit.curves.rise import SmoothStep
+from toolkit.components.bodies.rigid import Rod
+from toolkit.components.curves.rise import SmoothStep
+from toolkit.components.joints.driver import AngleDriver
+from toolkit.components.joints.revolute import Revolute
 from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import ConvergenceError
-from toolkit.joints.driver import AngleDriver
-from toolkit.joints.revolute import Revolute
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
 from toolkit.system.solution import flexible_body
 from toolkit.system.system import System, compile_scene
 from toolkit.validity.energy_balance import energy_balance

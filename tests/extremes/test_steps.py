@@ -9,14 +9,14 @@ from scipy.special import ellipj, ellipk
 from tests.models.scenes import WING
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.rigid import Rigid
+from toolkit.components.bodies.rigid import Rigid
+from toolkit.components.joints.distance import Distance
+from toolkit.components.loads.gravity import Gravity
 from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import ConvergenceError
-from toolkit.joints.distance import Distance
-from toolkit.loads.gravity import Gravity
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
 from toolkit.system.solution import Solution
 from toolkit.system.system import System, compile_scene
 

@@ -9,14 +9,14 @@ from tests.models.scenes import MODELS, WING
 from toolkit.analyses.modes import solve_modes
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.flexible import Flexible
+from toolkit.components.bodies.flexible import Flexible
+from toolkit.components.loads.point_force import PointForce
 from toolkit.description.design import BodyPoint
 from toolkit.description.run_options import RunOptions
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import ConvergenceError, CriticalPointError
-from toolkit.loads.point_force import PointForce
 from toolkit.reduced_model.file import load
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
 from toolkit.system.system import compile_scene
 from toolkit.validity.bodies.deformation import deformation
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from tests.models.scenes import WING
+from toolkit.analyses.sensitivity.direct import direct
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import ConvergenceError
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.direct import direct
 from toolkit.system.system import compile_scene
 from toolkit.validity.bodies.deformation import deformation
 

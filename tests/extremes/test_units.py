@@ -10,26 +10,26 @@ import pytest
 
 from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.curves.rise import SmoothStep
+from toolkit.analyses.sensitivity.direct import direct
+from toolkit.analyses.sensitivity.preparation import Kind
+from toolkit.components.bodies.flexible import Flexible
+from toolkit.components.bodies.rigid import Rigid, Rod
+from toolkit.components.curves.rise import SmoothStep
+from toolkit.components.joints.distance import Distance
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.joints.slider import Slider
+from toolkit.components.loads.gravity import Gravity
+from toolkit.components.loads.point_force import PointForce
+from toolkit.components.loads.springs import RotationalSpringDamper, SpringDamper
+from toolkit.components.loads.torque import Torque
 from toolkit.description.design import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.distance import Distance
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.slider import Slider
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.point_force import PointForce
-from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
-from toolkit.loads.torque import Torque
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
 from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement, Rotation
 from toolkit.responses.over_time import TimeIntegral
 from toolkit.responses.stress import KSStress, MaxStress
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.direct import direct
-from toolkit.sensitivity.preparation import Kind
 
 LENGTH, MASS = 1e3, 1e-3
 """How many mm are 1 m, and how many t are 1 kg; both systems have the second, and the newton: 1 t mm/s^2."""

@@ -16,10 +16,10 @@ from typer.testing import CliRunner
 
 from toolkit.command_line import cli
 from toolkit.command_line.announcements import at_work
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.compiled import compiled_code
 from toolkit.foundation.compiled.compiled_code import CompiledCodeWarning
 from toolkit.foundation.errors import InputError
-from toolkit.scene_file.reader import read_scene
 
 PENDULUM = Path(__file__).parents[2] / "models" / "pendulum" / "scene.toml"
 SOURCE = "from toolkit.foundation.kernel import kernel\n\n\n@kernel\ndef twice(x):\n    return 2 * x\n"

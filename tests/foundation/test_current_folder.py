@@ -14,6 +14,7 @@ import pytest
 from PIL import Image
 from typer.testing import CliRunner
 
+from toolkit.analyses.sensitivity.certificate.fresh_models import build_all
 from toolkit.command_line.cli import app
 from toolkit.foundation import processes
 from toolkit.foundation.errors import InputError
@@ -23,7 +24,6 @@ from toolkit.reduced_model.file import load
 from toolkit.render import packages
 from toolkit.render.animation import mp4
 from toolkit.render.packages import RenderError, drawing_environment
-from toolkit.sensitivity.certificate.fresh_models import build_all
 from toolkit.studies.executor import Executor, completed
 
 ROOT = Path(__file__).parents[2]

@@ -14,10 +14,10 @@ from pathlib import Path
 
 import pytest
 
+from toolkit.description.results_layout import ResultsFileError
+from toolkit.files.results_file import refuse_foreign
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.safe_files import OWN, replaced, write_whole
-from toolkit.kept_run.layout import ResultsFileError
-from toolkit.results.results_file import refuse_foreign
 
 WING = Path(__file__).parents[2] / "models" / "morphing_wing"
 WITHIN_LIMITS = """

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from tests.fuzz.good_files import good_model, good_results
-from toolkit.results.results_file import load_results
+from toolkit.files.results_file import load_results
 
 pytestmark = pytest.mark.robustness
 
@@ -26,7 +26,7 @@ from dataclasses import replace
 from pathlib import Path
 import numpy as np
 from toolkit.reduced_model.file import load, save
-from toolkit.results.results_file import load_results, save_results
+from toolkit.files.results_file import load_results, save_results
 
 folder = Path(sys.argv[1])
 os.fsync = lambda _: time.sleep(0.1)  # a slow disk: files are built in memory, and are on their way to the disk for a moment only

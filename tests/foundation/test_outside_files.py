@@ -15,10 +15,10 @@ from preprocessing.foreign_files.included_files import drawn_on
 from preprocessing.mesh.matrix_file import read_matrix, read_nodes
 from preprocessing.mesh.mesh_file import read_mesh
 from toolkit.command_line.cli import app
+from toolkit.files.results_file import load_results
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import ToolkitError, without_content
 from toolkit.reduced_model.file import load
-from toolkit.results.results_file import load_results
-from toolkit.scene_file.reader import read_scene
 
 pytestmark = pytest.mark.usefixtures("read_here")
 

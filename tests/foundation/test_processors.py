@@ -12,22 +12,22 @@ from preprocessing.reduction.basis import BasisChoice
 from tests.models.processors import BUILT, MODELS, entries, kernels, rotating_beam, under
 from tests.preprocessing.test_preprocess_cli import arrays
 from toolkit.analyses.modes import solve_modes
+from toolkit.analyses.sensitivity.direct import direct
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.compilation.redundant_rows import independent_rows
+from toolkit.components.bodies.flexible import Flexible
+from toolkit.components.bodies.rigid import Rigid, Rod
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.joints.rigid_joint import RigidJoint
+from toolkit.components.loads.gravity import Gravity
+from toolkit.components.loads.torque import Torque
 from toolkit.description.design import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.near_ties import first_largest, first_smallest
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.rigid_joint import RigidJoint
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.torque import Torque
 from toolkit.reduced_model.file import load, save
 from toolkit.reduced_model.shapes import entry_scales
 from toolkit.responses.stress import MaxStress
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.direct import direct
+from toolkit.system.redundant_rows import independent_rows
 from toolkit.system.system import compile_scene
 
 STEEL = Section(youngs_modulus=210e9, density=7800.0, thickness=0.02, width=0.05)

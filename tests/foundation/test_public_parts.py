@@ -29,7 +29,7 @@ from toolkit.foundation.compiled.calls import call
 from toolkit.foundation.compiled.public_parts import PUBLIC_ONLY
 from toolkit.foundation.kernel import inlined, inner, kernel, plain, slots
 from toolkit.foundation.compiled.rows import add_rows, add_to_each, subtract_multiples
-from toolkit.joints.kernels.laws import SIGNATURE, angle_law
+from toolkit.components.joints.kernels.laws import SIGNATURE, angle_law
 
 class Deep(NamedTuple):
     rows: np.ndarray

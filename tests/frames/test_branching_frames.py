@@ -11,12 +11,12 @@ import ffrf
 from preprocessing import build, save
 from tests.frames.test_cut_bodies import agree
 from tests.models.rectangular_beams import corotational, points_of
+from toolkit.analyses.sensitivity.certificate.whole_mechanism import compare_mechanism
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.file import load
 from toolkit.render.plane.configuration import Configuration, skin_shape
 from toolkit.scene.resolution import resolve
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.certificate.whole_mechanism import compare_mechanism
 from toolkit.studies.tradeoff.axes import read_axes
 from toolkit.system.system import compile_scene
 from toolkit.validity.bodies.corotational_beams import solve_corotational

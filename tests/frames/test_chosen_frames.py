@@ -13,10 +13,10 @@ from preprocessing.reduction.basis import BasisChoice
 from tests.frames.test_cut_bodies import EI, SECTION, STRAIGHT, cantilever, in_space, without_elements
 from tests.frames.test_cut_wing import WING, wing
 from tests.models.beam_models import save_beam
+from toolkit.analyses.sensitivity.preparation import prepare, solve
 from toolkit.command_line.commands.inspection import describe_scene
 from toolkit.foundation.errors import InputError
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.preparation import prepare, solve
 from toolkit.studies.tradeoff.axes import read_axes
 from toolkit.studies.tradeoff.frame_axes import framed
 from toolkit.studies.tradeoff.setting import Setting

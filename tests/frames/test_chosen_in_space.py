@@ -11,11 +11,11 @@ from typer.testing import CliRunner
 import ffrf
 from preprocessing import build, save
 from tests.models.spatial_chains import WHERE, chain_scene, save_chain
+from toolkit.analyses.sensitivity.certificate.whole_mechanism import compare_mechanism
 from toolkit.command_line.cli import app
 from toolkit.command_line.run_answer import deformation_record
 from toolkit.foundation.errors import InputError
-from toolkit.kinematics.orientation import matrix_of, quaternion_of
-from toolkit.sensitivity.certificate.whole_mechanism import compare_mechanism
+from toolkit.foundation.kinematics.orientation import matrix_of, quaternion_of
 from toolkit.studies.tradeoff.axes import read_axes
 from toolkit.validity.bodies.bent_surfaces import geometric_errors
 from toolkit.validity.bodies.deformation import largest_displacement, largest_distance, node_places

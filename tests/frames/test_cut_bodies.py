@@ -15,6 +15,7 @@ from preprocessing.reduction.basis import BasisChoice
 from tests.models.beam_models import save_beam
 from tests.models.rectangular_beams import corotational, points_of
 from tests.validity.test_corotational import elastica
+from toolkit.analyses.sensitivity.certificate.differences import taylor_rates
 from toolkit.analyses.statics import solve_statics
 from toolkit.api.model import Model
 from toolkit.description.run_options import RunOptions
@@ -24,7 +25,6 @@ from toolkit.responses.shape_error import cut_positions
 from toolkit.responses.stress import stress_field
 from toolkit.scene.resolution import resolve
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.certificate.differences import taylor_rates
 from toolkit.system.system import compile_scene
 from toolkit.validity.bodies.corotational_beams import solve_corotational
 from toolkit.validity.energy_balance import energy_balance

@@ -14,7 +14,7 @@ from tests.spatial.momenta import kinetic_energy, momentum, strain_energy, turni
 from toolkit.analyses.statics import solve_statics
 from toolkit.api.model import Model
 from toolkit.foundation.errors import InputError
-from toolkit.kinematics.orientation import matrix_of, quaternion_of, skew
+from toolkit.foundation.kinematics.orientation import matrix_of, quaternion_of, skew
 from toolkit.reduced_model.conversion import converted_model
 from toolkit.reduced_model.file import load
 from toolkit.render.space.configuration import SpatialConfiguration, body_shape

@@ -11,9 +11,9 @@ from typer.testing import CliRunner
 
 import ffrf
 from tests.models.spatial_chains import save_chain
+from toolkit.analyses.sensitivity.run import restored
 from toolkit.command_line.cli import app
-from toolkit.results.results_file import load_results
-from toolkit.sensitivity.run import restored
+from toolkit.files.results_file import load_results
 from toolkit.validity.bodies.deformation import node_places
 
 SCENE = """units = "m-kg-s"

@@ -8,9 +8,9 @@ import pytest
 
 from tests.models.cut_hub import YOUNG, hub, joints_of
 from tests.models.directions import along, derivative_along, direction
+from toolkit.analyses.sensitivity.methods import gradients_by
+from toolkit.analyses.sensitivity.preparation import Kind, evaluate_responses, prepare, solve
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.methods import gradients_by
-from toolkit.sensitivity.preparation import Kind, evaluate_responses, prepare, solve
 
 AGREEMENT = 1e-10
 """Round-off is 1e-16 times the 1/step^2 = 1e4 and a condition of 1e2; half the step leaves four times as much."""

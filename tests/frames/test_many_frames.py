@@ -11,9 +11,9 @@ import pytest
 import ffrf
 from tests.frames.test_cut_bodies import EI, SECTION, STRAIGHT, cantilever, in_space
 from tests.models.beam_models import save_beam
+from toolkit.analyses.sensitivity.preparation import prepare, solve
 from toolkit.analyses.statics import solve_statics
 from toolkit.foundation.errors import SingularSystemError
-from toolkit.sensitivity.preparation import prepare, solve
 from toolkit.solvers import direct_solve
 from toolkit.solvers.static import static_matrix
 from toolkit.system.system import compile_scene

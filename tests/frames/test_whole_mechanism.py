@@ -10,9 +10,9 @@ from typer.testing import CliRunner
 import ffrf
 from tests.frames.test_cut_bodies import EI, STRAIGHT, cantilever, in_space
 from tests.frames.test_cut_wing import WING, wing
+from toolkit.analyses.sensitivity.certificate.whole_mechanism import compare_mechanism
+from toolkit.analyses.sensitivity.preparation import prepare, solve
 from toolkit.command_line.cli import app
-from toolkit.sensitivity.certificate.whole_mechanism import compare_mechanism
-from toolkit.sensitivity.preparation import prepare, solve
 
 
 def test_exact_gradients_of_the_mechanism_are_its_central_differences_and_not_those_of_one_frame():

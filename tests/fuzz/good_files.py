@@ -13,12 +13,12 @@ import numpy as np
 
 from preprocessing.builders.frame_recipe import polygon_beam
 from preprocessing.elements.section import Section
+from toolkit.analyses.sensitivity.direct import direct
+from toolkit.files.results_file import save_results
+from toolkit.files.scene_reader import read_scene
 from toolkit.reduced_model.dependence import Derivatives
 from toolkit.reduced_model.file import save
 from toolkit.reduced_model.model import ReducedModel, Shape
-from toolkit.results.results_file import save_results
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.direct import direct
 
 ROOT = Path(__file__).parents[2]
 SCENE = """

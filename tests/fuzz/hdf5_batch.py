@@ -19,15 +19,15 @@ import numpy as np
 
 from tests.fuzz.hostile_hdf5 import spoilt_attributes, spoilt_bytes, spoilt_objects
 from tests.fuzz.sealed_hdf5 import sealed_files
+from toolkit.analyses.sensitivity.preparation import evaluate_responses, prepare, solve
 from toolkit.api.describe import describe
 from toolkit.command_line.commands.inspection import describe_results
+from toolkit.files.results import restore_scene
+from toolkit.files.results_file import load_results, refuse_foreign
+from toolkit.files.scene_reader import read_scene
+from toolkit.files.tables import export_csv
 from toolkit.foundation.errors import ToolkitError
 from toolkit.reduced_model.file import is_reduced_model
-from toolkit.results.results import restore_scene
-from toolkit.results.results_file import load_results, refuse_foreign
-from toolkit.results.tables import export_csv
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.preparation import evaluate_responses, prepare, solve
 
 MODEL_OBJECTS = ["invariants", "invariants/stiffness", "invariants/inertia", "invariants/mass", "derivatives",
                  "derivatives/shape.target/entry", "affine/stiffness/power", "affine/stiffness/factor", "affine/stiffness/entry",

@@ -41,7 +41,7 @@ LOADED = (
     *("preprocessing.foreign_files.child", "scipy.io"),
 )
 """What is loaded before the first case."""
-SCENES = ("toolkit.command_line.cli", "toolkit.api.model", "toolkit.scene_file.reader", "toolkit.compilation")
+SCENES = ("toolkit.command_line.cli", "toolkit.api.model", "toolkit.files.scene_reader", "toolkit.system")
 """What is loaded before cases that have scenes."""
 
 
@@ -71,8 +71,8 @@ def _build_once() -> None:
 
 def _solve_once() -> None:
     """Find the equilibrium of all scenes, which loads the compiled formulas."""
-    from toolkit.scene_file.reader import read_scene
-    from toolkit.sensitivity.direct import direct
+    from toolkit.analyses.sensitivity.direct import direct
+    from toolkit.files.scene_reader import read_scene
 
     for scene in sorted(MODELS.glob("*/scene.toml")):
         described = read_scene(scene)

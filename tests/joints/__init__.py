@@ -1,1 +1,1 @@
-"""Tests of the room `toolkit.joints`."""
+"""Tests of the room `toolkit.components.joints`."""

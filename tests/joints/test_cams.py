@@ -10,14 +10,14 @@ from ffrf import plane, space
 from tests.joints.test_gears import AXIS, TURN, at, gradients
 from tests.models.cases import LIFT, PROFILE
 from toolkit.analyses.transient import simulate
-from toolkit.curves.curve import Curve
+from toolkit.components.curves.curve import Curve
+from toolkit.components.joints.joint import Joint
+from toolkit.components.joints.kernels.profile import PIECE
+from toolkit.components.joints.profile import profile_form
 from toolkit.description.run_options import RunOptions
+from toolkit.files.gradient_units import variable_unit
 from toolkit.foundation.errors import InputError
-from toolkit.joints.joint import Joint
-from toolkit.joints.kernels.profile import PIECE
-from toolkit.joints.profile import profile_form
-from toolkit.kinematics.orientation import axes_along
-from toolkit.scene_file.gradient_units import variable_unit
+from toolkit.foundation.kinematics.orientation import axes_along
 from toolkit.system.system import compile_scene
 
 RISE = plane.Cycloid(height=0.03, start=0.4, duration=1.1)

@@ -8,13 +8,13 @@ import pytest
 import ffrf
 from ffrf import plane, space
 from tests.models.directions import along, derivative_along, felt_direction
+from toolkit.analyses.sensitivity.methods import gradients_by
 from toolkit.analyses.transient import simulate
+from toolkit.components.joints.joint import Joint
+from toolkit.components.joints.rows import Row
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
-from toolkit.joints.joint import Joint
-from toolkit.joints.rows import Row
-from toolkit.kinematics.orientation import axes_along
-from toolkit.sensitivity.methods import gradients_by
+from toolkit.foundation.kinematics.orientation import axes_along
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.preparation import prepare
+from toolkit.analyses.sensitivity.preparation import prepare
+from toolkit.files.scene_reader import read_scene
 from toolkit.system.system import LOOPED_PRODUCT_TERMS
 
 WING = Path(__file__).parents[2] / "models" / "morphing_wing" / "scene.toml"

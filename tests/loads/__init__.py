@@ -1,1 +1,1 @@
-"""Tests of the room `toolkit.loads`."""
+"""Tests of the room `toolkit.components.loads`."""

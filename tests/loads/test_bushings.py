@@ -9,9 +9,9 @@ from scipy.spatial.transform import Rotation
 import ffrf
 from ffrf import plane, space
 from tests.models.directions import along, derivative_along, felt_direction
+from toolkit.analyses.sensitivity.methods import gradients_by
 from toolkit.analyses.transient import simulate
 from toolkit.description.run_options import RunOptions
-from toolkit.sensitivity.methods import gradients_by
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
 

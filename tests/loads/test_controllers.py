@@ -12,10 +12,10 @@ from scipy.linalg import expm
 import ffrf
 from ffrf import plane, space
 from tests.models.directions import along, derivative_along, felt_direction
+from toolkit.analyses.sensitivity.methods import gradients_by
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.foundation.errors import ConvergenceError, InputError, SingularSystemError
-from toolkit.sensitivity.methods import gradients_by
 from toolkit.system.system import compile_scene
 
 INERTIA, MASS, TORQUE, FORCE = 0.5, 2.0, 3.0, 5.0

@@ -9,10 +9,10 @@ import pytest
 
 import ffrf
 from ffrf import plane, space
+from toolkit.analyses.sensitivity.methods import gradients_by
 from toolkit.analyses.transient import simulate
-from toolkit.conformance.check import check_load
+from toolkit.api.check import check_load
 from toolkit.foundation.errors import ConvergenceError
-from toolkit.sensitivity.methods import gradients_by
 from toolkit.system.system import compile_scene
 
 INERTIA, STIFFNESS, DAMPING = 0.5, 20.0, 0.3

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolkit.conformance.comparison import (
+from toolkit.api.comparison import (
     STEP,
     TOLERANCE,
     check_design_derivatives,

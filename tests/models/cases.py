@@ -10,31 +10,31 @@ import numpy as np
 
 from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.curves.combined import Sum
-from toolkit.curves.oscillation import Harmonic, Sine
-from toolkit.curves.polynomial import Constant
-from toolkit.curves.rise import SmoothStep
-from toolkit.curves.table import Table
+from toolkit.components.bodies.flexible import Flexible
+from toolkit.components.bodies.rigid import Rigid, Rod
+from toolkit.components.curves.combined import Sum
+from toolkit.components.curves.oscillation import Harmonic, Sine
+from toolkit.components.curves.polynomial import Constant
+from toolkit.components.curves.rise import SmoothStep
+from toolkit.components.curves.table import Table
+from toolkit.components.joints.cam import Cam, SwingCam
+from toolkit.components.joints.distance import Distance
+from toolkit.components.joints.driver import AngleDriver, PositionDriver
+from toolkit.components.joints.gear import Gear
+from toolkit.components.joints.joint import Joint
+from toolkit.components.joints.rack import Rack, RollingDisc
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.joints.rigid_joint import RigidJoint
+from toolkit.components.joints.slider import Slider
+from toolkit.components.loads.bushing import Bushing
+from toolkit.components.loads.controllers import AngleController, DistanceController, PositionController
+from toolkit.components.loads.friction import PlanarSlidingFriction, PlanarTurningFriction
+from toolkit.components.loads.gravity import Gravity
+from toolkit.components.loads.point_force import PointForce
+from toolkit.components.loads.springs import RotationalSpringDamper, SpringDamper
+from toolkit.components.loads.torque import Torque
+from toolkit.components.markers.component import Component, Place, on_both
 from toolkit.description.design import BodyPoint, Point
-from toolkit.joints.cam import Cam, SwingCam
-from toolkit.joints.distance import Distance
-from toolkit.joints.driver import AngleDriver, PositionDriver
-from toolkit.joints.gear import Gear
-from toolkit.joints.joint import Joint
-from toolkit.joints.rack import Rack, RollingDisc
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.rigid_joint import RigidJoint
-from toolkit.joints.slider import Slider
-from toolkit.loads.bushing import Bushing
-from toolkit.loads.controllers import AngleController, DistanceController, PositionController
-from toolkit.loads.friction import PlanarSlidingFriction, PlanarTurningFriction
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.point_force import PointForce
-from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
-from toolkit.loads.torque import Torque
-from toolkit.markers.component import Component, Place, on_both
 from toolkit.scene.scene import Scene
 
 SINE = Sine(amplitude=0.7, frequency=0.3, phase=0.4)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from toolkit.curves.catalogue import Curve
-from toolkit.curves.combined import Product, Sequence, Sum
-from toolkit.curves.oscillation import Harmonic, Sine
-from toolkit.curves.polynomial import Constant, Polynomial
-from toolkit.curves.rise import Cycloid, Ramp, SmoothStep
-from toolkit.curves.table import Table
+from toolkit.components.curves.catalogue import Curve
+from toolkit.components.curves.combined import Product, Sequence, Sum
+from toolkit.components.curves.oscillation import Harmonic, Sine
+from toolkit.components.curves.polynomial import Constant, Polynomial
+from toolkit.components.curves.rise import Cycloid, Ramp, SmoothStep
+from toolkit.components.curves.table import Table
 
 ROWS, VALUES = (0.0, 0.5, 1.1, 2.0), (0.0, 1.0, -2.0, 0.5)
 RISING = (0.1, 0.4, 1.7, 1.9)

@@ -12,12 +12,12 @@ from tests.models import cases, spatial_cases
 from tests.models.every_number import LEAD, SOLVER
 from tests.models.spatial_chains import save_chain
 from tests.models.spatial_every_number import TENSOR
-from toolkit.bodies.flexible import Flexible, SpatialFlexible
-from toolkit.bodies.rigid import Rigid, SpatialRigid
+from toolkit.components.bodies.flexible import Flexible, SpatialFlexible
+from toolkit.components.bodies.rigid import Rigid, SpatialRigid
+from toolkit.components.joints.joint import Joint
+from toolkit.components.loads.bushing import Bushing, SpatialBushing
+from toolkit.components.loads.gravity import Gravity, SpatialGravity
 from toolkit.description.design import BodyPoint, Point
-from toolkit.joints.joint import Joint
-from toolkit.loads.bushing import Bushing, SpatialBushing
-from toolkit.loads.gravity import Gravity, SpatialGravity
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
 from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement

@@ -9,11 +9,11 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
+from toolkit.analyses.sensitivity.direct import derivative
+from toolkit.analyses.sensitivity.preparation import Kind, frozen, prepare
 from toolkit.analyses.transient import simulate
 from toolkit.description.design import DesignVariable
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.direct import derivative
-from toolkit.sensitivity.preparation import Kind, frozen, prepare
 from toolkit.system.solution import Solution
 
 

@@ -7,30 +7,30 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.curves.combined import Product, Sequence, Sum
-from toolkit.curves.oscillation import Harmonic, Sine
-from toolkit.curves.polynomial import Constant, Polynomial
-from toolkit.curves.rise import Cycloid, Ramp, SmoothStep
-from toolkit.curves.table import Table
+from toolkit.components.bodies.flexible import Flexible
+from toolkit.components.bodies.rigid import Rigid, Rod
+from toolkit.components.curves.combined import Product, Sequence, Sum
+from toolkit.components.curves.oscillation import Harmonic, Sine
+from toolkit.components.curves.polynomial import Constant, Polynomial
+from toolkit.components.curves.rise import Cycloid, Ramp, SmoothStep
+from toolkit.components.curves.table import Table
+from toolkit.components.joints.cam import Cam, SwingCam
+from toolkit.components.joints.distance import Distance
+from toolkit.components.joints.driver import AngleDriver, PositionDriver
+from toolkit.components.joints.gear import Gear
+from toolkit.components.joints.rack import Rack, RollingDisc
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.joints.rigid_joint import RigidJoint
+from toolkit.components.joints.slider import Slider
+from toolkit.components.loads.bushing import Bushing
+from toolkit.components.loads.controllers import AngleController, DistanceController, PositionController
+from toolkit.components.loads.friction import PlanarSlidingFriction, PlanarTurningFriction
+from toolkit.components.loads.gravity import Gravity
+from toolkit.components.loads.point_force import PointForce
+from toolkit.components.loads.springs import RotationalSpringDamper, SpringDamper
+from toolkit.components.loads.torque import Torque
 from toolkit.description.design import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.cam import Cam, SwingCam
-from toolkit.joints.distance import Distance
-from toolkit.joints.driver import AngleDriver, PositionDriver
-from toolkit.joints.gear import Gear
-from toolkit.joints.rack import Rack, RollingDisc
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.rigid_joint import RigidJoint
-from toolkit.joints.slider import Slider
-from toolkit.loads.bushing import Bushing
-from toolkit.loads.controllers import AngleController, DistanceController, PositionController
-from toolkit.loads.friction import PlanarSlidingFriction, PlanarTurningFriction
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.point_force import PointForce
-from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
-from toolkit.loads.torque import Torque
 from toolkit.responses.balance import Power, Work
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
 from toolkit.responses.joint_force import JointForce

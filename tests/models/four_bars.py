@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from toolkit.bodies.rigid import Rod
+from toolkit.components.bodies.rigid import Rod
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.loads.gravity import Gravity
 from toolkit.description.design import Point
-from toolkit.joints.revolute import Revolute
-from toolkit.loads.gravity import Gravity
 from toolkit.scene.scene import Scene
 
 

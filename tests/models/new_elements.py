@@ -11,7 +11,7 @@ import numpy as np
 from preprocessing.elements.beams import AREA, SECOND_MOMENT, BlockElement, LineElement
 from preprocessing.elements.element import PLANE, Contribution, squared
 from preprocessing.elements.section import ONE, Patch, Term
-from toolkit.kinematics.beam_elements import AXIAL, BeamElements
+from toolkit.foundation.kinematics.beam_elements import AXIAL, BeamElements
 from toolkit.reduced_model.model import StressPoints
 
 

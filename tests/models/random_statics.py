@@ -9,19 +9,24 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.bodies.rigid import Rigid, Rod, SpatialRigid, SpatialRod
-from toolkit.curves.rise import SmoothStep
+from toolkit.components.bodies.rigid import Rigid, Rod, SpatialRigid, SpatialRod
+from toolkit.components.curves.rise import SmoothStep
+from toolkit.components.joints.driver import AngleDriver
+from toolkit.components.joints.revolute import Revolute, SpatialRevolute
+from toolkit.components.joints.slider import Slider
+from toolkit.components.joints.spherical import Spherical
+from toolkit.components.joints.universal import Universal
+from toolkit.components.loads.point_force import PointForce, SpatialPointForce
+from toolkit.components.loads.springs import (
+    RotationalSpringDamper,
+    SpatialRotationalSpringDamper,
+    SpatialSpringDamper,
+    SpringDamper,
+)
+from toolkit.components.loads.torque import SpatialTorque, Torque
 from toolkit.description.design import Point
-from toolkit.joints.driver import AngleDriver
-from toolkit.joints.revolute import Revolute, SpatialRevolute
-from toolkit.joints.slider import Slider
-from toolkit.joints.spherical import Spherical
-from toolkit.joints.universal import Universal
-from toolkit.loads.point_force import PointForce, SpatialPointForce
-from toolkit.loads.springs import RotationalSpringDamper, SpatialRotationalSpringDamper, SpatialSpringDamper, SpringDamper
-from toolkit.loads.torque import SpatialTorque, Torque
+from toolkit.files.scene_reader import read_scene
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
 
 WING = Path(__file__).parents[2] / "models" / "morphing_wing" / "scene.toml"
 SNAPPING = {

@@ -6,15 +6,20 @@ from pathlib import Path
 
 from tests.models import cases, spatial_cases
 from tests.models.every_number import LEAD, SOLVER
-from toolkit.bodies.flexible import Flexible, SpatialFlexible
-from toolkit.bodies.rigid import Rod, SpatialRod
-from toolkit.curves.rise import SmoothStep
+from toolkit.components.bodies.flexible import Flexible, SpatialFlexible
+from toolkit.components.bodies.rigid import Rod, SpatialRod
+from toolkit.components.curves.rise import SmoothStep
+from toolkit.components.joints.driver import AngleDriver, SpatialAngleDriver
+from toolkit.components.joints.revolute import Revolute, SpatialRevolute
+from toolkit.components.loads.gravity import Gravity, SpatialGravity
+from toolkit.components.loads.springs import (
+    RotationalSpringDamper,
+    SpatialRotationalSpringDamper,
+    SpatialSpringDamper,
+    SpringDamper,
+)
+from toolkit.components.loads.torque import SpatialTorque, Torque
 from toolkit.description.design import BodyPoint, Point
-from toolkit.joints.driver import AngleDriver, SpatialAngleDriver
-from toolkit.joints.revolute import Revolute, SpatialRevolute
-from toolkit.loads.gravity import Gravity, SpatialGravity
-from toolkit.loads.springs import RotationalSpringDamper, SpatialRotationalSpringDamper, SpatialSpringDamper, SpringDamper
-from toolkit.loads.torque import SpatialTorque, Torque
 from toolkit.responses.balance import CentreOfMass, Mass, Power, Work
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
 from toolkit.responses.extremes import TimeKS, TimeMax, TimeMin

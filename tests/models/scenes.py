@@ -2,16 +2,16 @@
 
 from pathlib import Path
 
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.curves.rise import SmoothStep
+from toolkit.components.bodies.flexible import Flexible
+from toolkit.components.bodies.rigid import Rigid, Rod
+from toolkit.components.curves.rise import SmoothStep
+from toolkit.components.joints.distance import Distance
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.joints.slider import Slider
+from toolkit.components.loads.gravity import Gravity
+from toolkit.components.loads.torque import Torque
 from toolkit.description.design import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.distance import Distance
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.slider import Slider
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.torque import Torque
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
 from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement, Rotation

@@ -6,33 +6,33 @@ from pathlib import Path
 from typing import Any
 
 from tests.models.every_number import FOLLOW, LEAD, SOLVER, WAVE
-from toolkit.bodies.flexible import SpatialFlexible
-from toolkit.bodies.rigid import SpatialRigid, SpatialRod
-from toolkit.curves.oscillation import Sine
-from toolkit.curves.polynomial import Constant
-from toolkit.curves.rise import SmoothStep
+from toolkit.components.bodies.flexible import SpatialFlexible
+from toolkit.components.bodies.rigid import SpatialRigid, SpatialRod
+from toolkit.components.curves.oscillation import Sine
+from toolkit.components.curves.polynomial import Constant
+from toolkit.components.curves.rise import SmoothStep
+from toolkit.components.joints.cam import SpatialCam, SpatialSwingCam
+from toolkit.components.joints.cylindrical import Cylindrical
+from toolkit.components.joints.distance import SpatialDistance
+from toolkit.components.joints.driver import SpatialAngleDriver, SpatialPositionDriver
+from toolkit.components.joints.gear import SpatialGear
+from toolkit.components.joints.point_on_plane import PointOnPlane
+from toolkit.components.joints.prismatic import Prismatic
+from toolkit.components.joints.rack import SpatialRack
+from toolkit.components.joints.revolute import SpatialRevolute
+from toolkit.components.joints.rigid_joint import SpatialRigidJoint
+from toolkit.components.joints.screw import Screw
+from toolkit.components.joints.spherical import Spherical
+from toolkit.components.joints.universal import Universal
+from toolkit.components.loads.bushing import SpatialBushing
+from toolkit.components.loads.controllers import SpatialAngleController, SpatialDistanceController, SpatialPositionController
+from toolkit.components.loads.friction import SpatialSlidingFriction, SpatialTurningFriction
+from toolkit.components.loads.gravity import SpatialGravity
+from toolkit.components.loads.point_force import SpatialPointForce
+from toolkit.components.loads.pressure import Pressure
+from toolkit.components.loads.springs import SpatialRotationalSpringDamper, SpatialSpringDamper
+from toolkit.components.loads.torque import SpatialTorque
 from toolkit.description.design import BodyPoint, Point
-from toolkit.joints.cam import SpatialCam, SpatialSwingCam
-from toolkit.joints.cylindrical import Cylindrical
-from toolkit.joints.distance import SpatialDistance
-from toolkit.joints.driver import SpatialAngleDriver, SpatialPositionDriver
-from toolkit.joints.gear import SpatialGear
-from toolkit.joints.point_on_plane import PointOnPlane
-from toolkit.joints.prismatic import Prismatic
-from toolkit.joints.rack import SpatialRack
-from toolkit.joints.revolute import SpatialRevolute
-from toolkit.joints.rigid_joint import SpatialRigidJoint
-from toolkit.joints.screw import Screw
-from toolkit.joints.spherical import Spherical
-from toolkit.joints.universal import Universal
-from toolkit.loads.bushing import SpatialBushing
-from toolkit.loads.controllers import SpatialAngleController, SpatialDistanceController, SpatialPositionController
-from toolkit.loads.friction import SpatialSlidingFriction, SpatialTurningFriction
-from toolkit.loads.gravity import SpatialGravity
-from toolkit.loads.point_force import SpatialPointForce
-from toolkit.loads.pressure import Pressure
-from toolkit.loads.springs import SpatialRotationalSpringDamper, SpatialSpringDamper
-from toolkit.loads.torque import SpatialTorque
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
 from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement, Rotation

@@ -11,7 +11,7 @@ from preprocessing.builders.curve_mesh import mesh_curve
 from preprocessing.elements.beams import PlanarBeam
 from preprocessing.elements.section import Section, distribute
 from preprocessing.reduction.assembly import Matrices, Parts, assemble
-from toolkit.kinematics.beam_elements import BeamElements
+from toolkit.foundation.kinematics.beam_elements import BeamElements
 
 SECTION = Section(youngs_modulus=70000.0, density=2.7e-9, thickness=1.5, width=40.0)
 ENDS = np.array([[[3.0, -1.0], [7.0, 2.0]]])  # length 5, direction (0.8, 0.6)

@@ -30,11 +30,11 @@ from preprocessing.mesh.matrix_file import read_array, read_matrix, read_nodes, 
 from preprocessing.mesh.mesh_file import read_mesh
 from preprocessing.mesh.solid_mesh import SolidMesh
 from tests.models.solid_bodies import rectangle, write_body
+from toolkit.analyses.sensitivity.preparation import prepare, solve
 from toolkit.command_line.cli import app
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import InputError, ModelFileError
 from toolkit.reduced_model.file import load
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.preparation import prepare, solve
 
 WING = Path(__file__).parents[2] / "models" / "morphing_wing"
 PLATE = "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n*ELEMENT, TYPE=CPS4\n1, 1, 2, 3, 4\n*NSET, NSET=held\n1, 4\n"

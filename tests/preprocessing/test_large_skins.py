@@ -12,6 +12,7 @@ import pytest
 import ffrf
 from preprocessing import build
 from preprocessing.builders.build_model import read_recipe
+from toolkit.analyses.sensitivity.preparation import prepare
 from toolkit.foundation.errors import InputError, ModelFileError
 from toolkit.reduced_model import dependence
 from toolkit.reduced_model.check import positive_definite
@@ -20,7 +21,6 @@ from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.file import load, save
 from toolkit.reduced_model.shapes import entry_factors, entry_scales
 from toolkit.responses.stress import products
-from toolkit.sensitivity.preparation import prepare
 
 MODELS = Path(__file__).parents[2] / "models"
 WING = MODELS / "morphing_wing"

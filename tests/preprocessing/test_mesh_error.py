@@ -22,10 +22,10 @@ from preprocessing.mesh.solid_mesh import SolidMesh
 from tests.models.solid_bodies import box, cantilever, rectangle, write_body
 from toolkit.api.model import compile_model
 from toolkit.command_line.cli import app as runtime
+from toolkit.files.scene_reader import read_scene
 from toolkit.reduced_model.file import load
 from toolkit.reduced_model.model import ReducedModel
 from toolkit.reduced_model.questions import COARSE_ENERGY_ERROR, COARSE_STRESS_ERROR, mesh_questions, told_mesh
-from toolkit.scene_file.reader import read_scene
 from toolkit.validity.scene_cautions import cautions_of_scene
 
 NU = 0.3

@@ -13,11 +13,11 @@ from preprocessing import build
 from preprocessing.mesh.mesh_file import read_mesh
 from preprocessing.projects.new_linkage import METRES, STIFFNESS, new_linkage
 from preprocessing.projects.new_solid import TIP_MASS_PART, new_solid, size_question, volume
+from toolkit.analyses.sensitivity.direct import direct
 from toolkit.command_line.cli import app
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.file import save
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.direct import direct
 from toolkit.studies.problem import problem_of
 from toolkit.studies.study_file import read_study
 

@@ -19,11 +19,11 @@ from preprocessing.airfoil.skin import Skin
 from preprocessing.builders.build_model import read_recipe
 from preprocessing.builders.skin_geometry import drooped, read_geometry
 from preprocessing.projects.new_wing import DROOP_DEPTH, new_wing
+from toolkit.analyses.sensitivity.run import Run
 from toolkit.api.model import compile_model
 from toolkit.command_line.cli import app
+from toolkit.files.scene_reader import read_scene
 from toolkit.reduced_model.file import save
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.run import Run
 from toolkit.studies.optimization.optimize import optimized
 from toolkit.studies.problem import problem_of
 from toolkit.studies.study_file import Search, read_study

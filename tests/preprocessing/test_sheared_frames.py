@@ -12,11 +12,11 @@ from preprocessing.builders.frame_recipe import FrameRecipe
 from preprocessing.reduction.chosen_basis import undeformed
 from preprocessing.reduction.invariants import contract
 from tests.models.timoshenko import cantilever_frequency
+from toolkit.analyses.sensitivity.preparation import prepare, solve
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.file import save
 from toolkit.scene.resolution import loaded
-from toolkit.sensitivity.preparation import prepare, solve
 from toolkit.validity.bodies.corotational_beams import compare_with_corotational, compared
 from toolkit.validity.bodies.known_chain import chain
 

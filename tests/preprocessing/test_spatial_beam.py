@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from preprocessing.elements.section import circle, general, rectangle, strip, tube
 from tests.models.spatial_beams import NU, VALUES, Beams, crooked, energy_of_invariants, kinetic_energy, straight
-from toolkit.kinematics.beam_elements import SECOND, THIRD, BeamElements, at_place
+from toolkit.foundation.kinematics.beam_elements import SECOND, THIRD, BeamElements, at_place
 from toolkit.reduced_model.parts import PAIRS
 
 T, B, E, RHO = (VALUES[name] for name in ("thickness", "width", "youngs_modulus", "density"))

@@ -7,11 +7,11 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from toolkit.curves.combined import Sum
-from toolkit.curves.oscillation import Sine
-from toolkit.curves.polynomial import Constant
-from toolkit.curves.rise import SmoothStep
-from toolkit.curves.table import Table
+from toolkit.components.curves.combined import Sum
+from toolkit.components.curves.oscillation import Sine
+from toolkit.components.curves.polynomial import Constant
+from toolkit.components.curves.rise import SmoothStep
+from toolkit.components.curves.table import Table
 
 T = TypeVar("T")
 

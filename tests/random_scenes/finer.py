@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from tests.random_scenes.models import finer_file
-from toolkit.bodies.model_body import ModelBody
+from toolkit.components.bodies.model_body import ModelBody
 from toolkit.scene.scene import Scene
 
 FRAMES = 4

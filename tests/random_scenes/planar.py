@@ -9,17 +9,17 @@ import numpy as np
 from tests.random_scenes.draft import Draft
 from tests.random_scenes.models import PERIODS, PLANAR, local_places, model_file
 from tests.random_scenes.planar_links import Link, answers, hinge, link, pushes, whirl
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.rigid import Rigid
-from toolkit.joints.distance import Distance
-from toolkit.joints.driver import AngleDriver, PositionDriver
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.rigid_joint import RigidJoint
-from toolkit.joints.slider import Slider
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.point_force import PointForce
-from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
-from toolkit.loads.torque import Torque
+from toolkit.components.bodies.flexible import Flexible
+from toolkit.components.bodies.rigid import Rigid
+from toolkit.components.joints.distance import Distance
+from toolkit.components.joints.driver import AngleDriver, PositionDriver
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.joints.rigid_joint import RigidJoint
+from toolkit.components.joints.slider import Slider
+from toolkit.components.loads.gravity import Gravity
+from toolkit.components.loads.point_force import PointForce
+from toolkit.components.loads.springs import RotationalSpringDamper, SpringDamper
+from toolkit.components.loads.torque import Torque
 
 SWING = 1.3
 """Period of a hanging link, s."""

@@ -9,15 +9,15 @@ import numpy as np
 from tests.random_scenes.draft import Draft
 from tests.random_scenes.draw import rounded
 from tests.random_scenes.models import PERIODS, PLANAR, local_places, model_file
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.joints.distance import Distance
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.rigid_joint import RigidJoint
-from toolkit.joints.slider import Slider
-from toolkit.loads.point_force import PointForce
-from toolkit.loads.springs import SpringDamper
-from toolkit.loads.torque import Torque
+from toolkit.components.bodies.flexible import Flexible
+from toolkit.components.bodies.rigid import Rigid, Rod
+from toolkit.components.joints.distance import Distance
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.joints.rigid_joint import RigidJoint
+from toolkit.components.joints.slider import Slider
+from toolkit.components.loads.point_force import PointForce
+from toolkit.components.loads.springs import SpringDamper
+from toolkit.components.loads.torque import Torque
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
 from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement, Rotation

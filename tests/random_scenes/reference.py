@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from toolkit.analyses.sensitivity.preparation import evaluate_with_gradients, prepare, responses_of, solve
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ToolkitError
 from toolkit.responses.joint_force import JointForce
@@ -15,7 +16,6 @@ from toolkit.responses.over_time import TimeIntegral
 from toolkit.responses.response import Instant
 from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.preparation import evaluate_with_gradients, prepare, responses_of, solve
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 

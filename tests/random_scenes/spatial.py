@@ -10,19 +10,19 @@ from tests.random_scenes.draft import Draft
 from tests.random_scenes.planar import SWING
 from tests.random_scenes.planar_links import Link
 from tests.random_scenes.spatial_links import answers, flexible, inertia, link, pushes, tie, weight, whirl
-from toolkit.bodies.rigid import SpatialRigid
-from toolkit.joints.distance import SpatialDistance
-from toolkit.joints.driver import SpatialAngleDriver, SpatialPositionDriver
-from toolkit.joints.point_on_plane import PointOnPlane
-from toolkit.joints.prismatic import Prismatic
-from toolkit.joints.revolute import SpatialRevolute
-from toolkit.joints.rigid_joint import SpatialRigidJoint
-from toolkit.joints.spherical import Spherical
-from toolkit.joints.universal import Universal
-from toolkit.loads.point_force import SpatialPointForce
-from toolkit.loads.pressure import Pressure
-from toolkit.loads.springs import SpatialRotationalSpringDamper, SpatialSpringDamper
-from toolkit.loads.torque import SpatialTorque
+from toolkit.components.bodies.rigid import SpatialRigid
+from toolkit.components.joints.distance import SpatialDistance
+from toolkit.components.joints.driver import SpatialAngleDriver, SpatialPositionDriver
+from toolkit.components.joints.point_on_plane import PointOnPlane
+from toolkit.components.joints.prismatic import Prismatic
+from toolkit.components.joints.revolute import SpatialRevolute
+from toolkit.components.joints.rigid_joint import SpatialRigidJoint
+from toolkit.components.joints.spherical import Spherical
+from toolkit.components.joints.universal import Universal
+from toolkit.components.loads.point_force import SpatialPointForce
+from toolkit.components.loads.pressure import Pressure
+from toolkit.components.loads.springs import SpatialRotationalSpringDamper, SpatialSpringDamper
+from toolkit.components.loads.torque import SpatialTorque
 from toolkit.responses.joint_force import JointForce
 
 

@@ -9,20 +9,20 @@ import numpy as np
 from tests.random_scenes.draft import Draft
 from tests.random_scenes.models import PERIODS, SPATIAL, local_places, model_file
 from tests.random_scenes.planar_links import Link
-from toolkit.bodies.flexible import SpatialFlexible
-from toolkit.bodies.rigid import SpatialRigid, SpatialRod
-from toolkit.joints.cylindrical import Cylindrical
-from toolkit.joints.distance import SpatialDistance
-from toolkit.joints.prismatic import Prismatic
-from toolkit.joints.revolute import SpatialRevolute
-from toolkit.joints.rigid_joint import SpatialRigidJoint
-from toolkit.joints.spherical import Spherical
-from toolkit.joints.universal import Universal
-from toolkit.kinematics.orientation import matrix_of, quaternion_of
-from toolkit.loads.gravity import SpatialGravity
-from toolkit.loads.point_force import SpatialPointForce
-from toolkit.loads.springs import SpatialRotationalSpringDamper, SpatialSpringDamper
-from toolkit.loads.torque import SpatialTorque
+from toolkit.components.bodies.flexible import SpatialFlexible
+from toolkit.components.bodies.rigid import SpatialRigid, SpatialRod
+from toolkit.components.joints.cylindrical import Cylindrical
+from toolkit.components.joints.distance import SpatialDistance
+from toolkit.components.joints.prismatic import Prismatic
+from toolkit.components.joints.revolute import SpatialRevolute
+from toolkit.components.joints.rigid_joint import SpatialRigidJoint
+from toolkit.components.joints.spherical import Spherical
+from toolkit.components.joints.universal import Universal
+from toolkit.components.loads.gravity import SpatialGravity
+from toolkit.components.loads.point_force import SpatialPointForce
+from toolkit.components.loads.springs import SpatialRotationalSpringDamper, SpatialSpringDamper
+from toolkit.components.loads.torque import SpatialTorque
+from toolkit.foundation.kinematics.orientation import matrix_of, quaternion_of
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
 from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement, Rotation

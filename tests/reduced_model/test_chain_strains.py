@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from tests.models.scenes import MODELS
-from toolkit.bodies.chain_strains import PER_NODE, Strains, chain_strains
-from toolkit.compilation.body_arrays import factored_bodies
+from toolkit.components.bodies.chain_strains import PER_NODE, Strains, chain_strains
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.file import load
+from toolkit.system.body_arrays import factored_bodies
 
 STEP = 1e-30
 ROUND_OFF = 1e-14

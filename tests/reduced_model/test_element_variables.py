@@ -10,13 +10,13 @@ import pytest
 
 from preprocessing import build
 from preprocessing.elements.section import distribute
+from toolkit.analyses.sensitivity.methods import gradients_by
+from toolkit.analyses.sensitivity.preparation import values_of
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.design_point import DesignPoint, rates_at
 from toolkit.reduced_model.file import load, save
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.methods import gradients_by
-from toolkit.sensitivity.preparation import values_of
 
 WING = Path(__file__).parents[2] / "models" / "morphing_wing"
 SHORT = {"solver.end_time": "0.4", "solver.step": "0.05", "loads.drive.curve.duration": "0.4"}

@@ -14,12 +14,12 @@ import pytest
 
 from tests.fuzz.good_files import SCENE, beam
 from tests.reduced_model.test_reduced_model import equal
+from toolkit.analyses.sensitivity.preparation import evaluate_responses, prepare, solve
 from toolkit.api.describe import PLAIN, describe
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import ModelFileError
 from toolkit.foundation.files import plain_hdf5
 from toolkit.reduced_model.file import described_by, hash_of, is_reduced_model, load, save, stored_bytes
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.preparation import evaluate_responses, prepare, solve
 
 PACKED = {"compression": "gzip", "shuffle": True, "chunks": True}
 

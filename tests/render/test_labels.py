@@ -8,6 +8,7 @@ import pytest
 from matplotlib.collections import LineCollection
 
 from tests.models.pictures import rest
+from toolkit.files.scene_reader import read_scene
 from toolkit.render.label_places import Name, NamesOfMotion, body_places, panel_of, placed, sides
 from toolkit.render.moment import names_by_place
 from toolkit.render.plane.configuration import Configuration
@@ -15,7 +16,6 @@ from toolkit.render.plane.look import choose_look
 from toolkit.render.plane.scene_picture import instant_figure, overview_figure
 from toolkit.render.space.configuration import SpatialConfiguration
 from toolkit.render.space.look import Camera, seen_points
-from toolkit.scene_file.reader import read_scene
 
 SCENES = {file.parent.name: read_scene(file) for file in sorted((Path(__file__).parents[2] / "models").glob("*/scene.toml"))}
 PLANAR = [name for name, scene in SCENES.items() if scene.dimension == 2]

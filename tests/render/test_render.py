@@ -23,13 +23,14 @@ from tests.models.cases import CASES, write_models
 from tests.models.pictures import distinct_colors, image, rest
 from tests.models.scenes import hanging_skin
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.rigid import Rigid, Rod
+from toolkit.components.bodies.rigid import Rigid, Rod
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.joints.rigid_joint import RigidJoint
+from toolkit.components.loads.gravity import Gravity
 from toolkit.description.design import Point
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import InputError, ToolkitError
 from toolkit.foundation.files.safe_files import OWN, list_own
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.rigid_joint import RigidJoint
-from toolkit.loads.gravity import Gravity
 from toolkit.reduced_model.file import load, save
 from toolkit.render.animation import gif, telling_steps
 from toolkit.render.label_places import Name, Panel, body_places, placed, sides
@@ -53,7 +54,6 @@ from toolkit.render.sheet import NARROW, WIDE, merged, motion_panels, told, writ
 from toolkit.responses.shape_error import ShapeRMS
 from toolkit.responses.stress import MaxStress, stress_field, stress_operator
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
 from toolkit.system.system import compile_scene
 
 SCENE = Path(__file__).parents[2] / "models" / "morphing_wing" / "scene.toml"
@@ -687,7 +687,7 @@ def test_importing_the_pictures_imports_no_drawing_and_a_planar_scene_is_drawn_w
         "sys.modules['pyvista'] = sys.modules['vtkmodules'] = None\n"
         "from tests.models.pictures import rest\n"
         "from toolkit.render.readable_units import View\n"
-        "from toolkit.scene_file.reader import read_scene\n"
+        "from toolkit.files.scene_reader import read_scene\n"
         "solution = rest(read_scene('models/pendulum/scene.toml'), 1)\n"
         "refuse_what_cannot_be_drawn(solution.system.scene, View())\n"
         f"print(len(render_solution(solution, {str(tmp_path)!r}, animate=True)))\n"

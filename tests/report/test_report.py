@@ -18,16 +18,23 @@ from PIL import Image
 from typer.testing import CliRunner
 
 from tests.models.scenes import HANGING_DESIGN, MODELS, WING, hanging_skin
+from toolkit.analyses.sensitivity.direct import direct, evaluated
+from toolkit.analyses.sensitivity.preparation import prepare, solve
+from toolkit.analyses.sensitivity.run import restored
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.rigid import Rod
 from toolkit.command_line.cli import app
+from toolkit.components.bodies.rigid import Rod
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.loads.gravity import Gravity
 from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
+from toolkit.files.gradient_units import per, variable_unit
+from toolkit.files.results import collect, restore_scene
+from toolkit.files.results_file import load_results
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.safe_files import OWN, list_own, refuse_foreign, replaced
 from toolkit.foundation.verdict import Verdict
-from toolkit.joints.revolute import Revolute
-from toolkit.loads.gravity import Gravity
 from toolkit.render.packages import RenderError
 from toolkit.render.pictures import file_names
 from toolkit.report.answer import Answer, AnswerTable, write
@@ -37,14 +44,7 @@ from toolkit.report.page import typeset
 from toolkit.report.sections import viewer_data
 from toolkit.report.tables import cost_table, gradient_table
 from toolkit.report.write import begin, refuse_foreign_files, write_report
-from toolkit.results.results import collect, restore_scene
-from toolkit.results.results_file import load_results
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.gradient_units import per, variable_unit
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.direct import direct, evaluated
-from toolkit.sensitivity.preparation import prepare, solve
-from toolkit.sensitivity.run import restored
 
 FIGURES = {
     "load_curves",
@@ -311,7 +311,7 @@ def test_pictures_and_reports_know_each_others_files(tmp_path):
 FORBIDDEN = """
 import sys
 from toolkit.command_line.cli import app
-from toolkit.sensitivity import direct, preparation
+from toolkit.analyses.sensitivity import direct, preparation
 
 def forbidden(*_, **__):
     raise AssertionError("the run was repeated")

@@ -26,11 +26,11 @@ from docs.generators.house import about, modules, ordered, tree
 from docs.generators.house_picture import WIDE, house, layers, needed, picture, places, ways
 from docs.generators.rooms import page, rooms
 from docs.generators.worked_pages import GALLERY
+from toolkit.analyses.sensitivity.preparation import prepare, solve
 from toolkit.description.run_options import RunOptions
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.verdict import REGISTRY, codes
 from toolkit.responses.stress import design_rates
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.preparation import prepare, solve
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -172,7 +172,7 @@ def test_the_page_on_file_formats_has_the_tables_of_the_classes_as_they_are():
 def test_the_page_on_file_formats_links_to_the_reference_on_the_site():
     site = for_the_site(FORMATS)
     assert "### revolute { #joints-revolute }\n" in site
-    assert "In the reference: [`Revolute`][toolkit.joints.revolute.Revolute]." in site
+    assert "In the reference: [`Revolute`][toolkit.components.joints.revolute.Revolute]." in site
     assert "<a id" not in site
 
 

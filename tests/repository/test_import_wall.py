@@ -14,7 +14,7 @@ from docs.generators.house import HALVES, ROOT, about, arrows, files, imports, m
 FORBIDDEN = ("preprocessing", "gmsh", "meshio", "skfem")
 DRAWING = ("toolkit.render", "toolkit.report")
 PICTURES = ("pyvista", "vtk", "vtkmodules", "matplotlib")
-SHARED = ("toolkit.foundation", "toolkit.kinematics", "toolkit.reduced_model")
+SHARED = ("toolkit.foundation", "toolkit.reduced_model")
 """Rooms of the runtime that preprocessing uses too."""
 
 TOOLKIT, PREPROCESSING = files("toolkit"), files("preprocessing")
@@ -60,7 +60,7 @@ def test_arrows_between_the_rooms_and_files_of_every_folder_run_one_way():
         assert sorted(order) == sorted(arrows(room))
 
 
-COMPONENTS = ("toolkit.bodies", "toolkit.joints", "toolkit.loads")
+COMPONENTS = ("toolkit.components.bodies", "toolkit.components.joints", "toolkit.components.loads")
 
 
 def spaces(name: str) -> set[str]:
@@ -91,9 +91,9 @@ def test_every_module_stands_in_a_room_that_says_what_it_is_for():
 SMALL = 80
 """Lines below which a module that one neighbour alone imports belongs into that neighbour."""
 ONE_EACH = (
-    "toolkit.joints.",
-    "toolkit.loads.",
-    "toolkit.curves.",
+    "toolkit.components.joints.",
+    "toolkit.components.loads.",
+    "toolkit.components.curves.",
     "toolkit.responses.",
     "toolkit.command_line.commands.",
     "preprocessing.elements.wedge",

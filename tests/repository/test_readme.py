@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 from typer.main import get_command
 
+from toolkit.analyses.sensitivity.direct import direct
 from toolkit.command_line.cli import app
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.direct import direct
+from toolkit.files.scene_reader import read_scene
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")

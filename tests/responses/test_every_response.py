@@ -10,13 +10,13 @@ from tests.models.directions import along, derivative_along, direction
 from tests.models.response_cases import CASES, PLANE, SPACE, TIP, plane, space, write_models
 from tests.scene_file.test_scene_units import differences
 from tests.scene_file.test_schemas import complaints
-from toolkit.conformance.check import check_response
+from toolkit.analyses.sensitivity.methods import gradients_by
+from toolkit.api.check import check_response
 from toolkit.foundation.errors import ConformanceError
 from toolkit.responses.catalogue import Response
 from toolkit.responses.marker_formula import Motion
 from toolkit.responses.point_motion import PointVector
 from toolkit.responses.vibration import OfVibration
-from toolkit.sensitivity.methods import gradients_by
 
 AGREEMENT = 1e-10
 """Of the response's largest derivative: all methods are exact for the discrete equations, the rest is round-off."""

@@ -8,15 +8,15 @@ import pytest
 from tests.models.scenes import WING
 from tests.responses.test_load_margin import FORCE, HALF, RISE, SNAPPING, STIFFNESS, truss
 from tests.scene_file.test_schemas import complaints
+from toolkit.analyses.sensitivity.methods import gradients_by
 from toolkit.analyses.statics import solve_statics
+from toolkit.components.loads.springs import SpatialSpringDamper, SpringDamper
 from toolkit.description.design import Point
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import InputError
-from toolkit.loads.springs import SpatialSpringDamper, SpringDamper
 from toolkit.responses.least_frequency import LeastFrequency
 from toolkit.responses.vibration import Frequency
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.methods import gradients_by
 from toolkit.system.system import compile_scene
 
 UPRIGHT = 200.0

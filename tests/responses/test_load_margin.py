@@ -7,20 +7,20 @@ import pytest
 
 from tests.models.scenes import WING
 from tests.scene_file.test_schemas import complaints
-from toolkit.bodies.rigid import Rigid, SpatialRigid
-from toolkit.curves.polynomial import Constant
+from toolkit.analyses.sensitivity.direct import numerical
+from toolkit.analyses.sensitivity.methods import gradients_by
+from toolkit.components.bodies.rigid import Rigid, SpatialRigid
+from toolkit.components.curves.polynomial import Constant
+from toolkit.components.joints.driver import AngleDriver
+from toolkit.components.joints.prismatic import Prismatic
+from toolkit.components.joints.slider import Slider
+from toolkit.components.loads.point_force import PointForce, SpatialPointForce
+from toolkit.components.loads.springs import SpatialSpringDamper, SpringDamper
 from toolkit.description.design import Point
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import BifurcationError, ConvergenceError
-from toolkit.joints.driver import AngleDriver
-from toolkit.joints.prismatic import Prismatic
-from toolkit.joints.slider import Slider
-from toolkit.loads.point_force import PointForce, SpatialPointForce
-from toolkit.loads.springs import SpatialSpringDamper, SpringDamper
 from toolkit.responses.least_frequency import LoadMargin
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.direct import numerical
-from toolkit.sensitivity.methods import gradients_by
 
 SNAPPING = WING.parents[1] / "snap_through" / "scene.toml"
 HALF, RISE, STIFFNESS, FORCE = 1.0, 0.4, 700.0, 6.0

@@ -11,17 +11,19 @@ from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
 from tests.models.response_cases import CASES, TIP, write_models
 from tests.models.scenes import WING
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.rigid import Rigid, Rod, SpatialRod
-from toolkit.curves.oscillation import Sine
-from toolkit.curves.rise import SmoothStep
+from toolkit.analyses.sensitivity.preparation import evaluate_responses, prepare, solve
+from toolkit.components.bodies.flexible import Flexible
+from toolkit.components.bodies.rigid import Rigid, Rod, SpatialRod
+from toolkit.components.curves.oscillation import Sine
+from toolkit.components.curves.rise import SmoothStep
+from toolkit.components.joints.driver import AngleDriver, SpatialAngleDriver
+from toolkit.components.joints.revolute import Revolute, SpatialRevolute
+from toolkit.components.loads.gravity import Gravity
+from toolkit.components.loads.point_force import PointForce
 from toolkit.description.design import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import InputError
-from toolkit.joints.driver import AngleDriver, SpatialAngleDriver
-from toolkit.joints.revolute import Revolute, SpatialRevolute
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.point_force import PointForce
 from toolkit.responses.balance import CentreOfMass, Mass, Power, Work
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
 from toolkit.responses.extremes import TimeKS, TimeMax, TimeMin
@@ -35,8 +37,6 @@ from toolkit.responses.relative_angle import RelativeAngle
 from toolkit.responses.stress import stress_field
 from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.preparation import evaluate_responses, prepare, solve
 from toolkit.validity.energy_balance import energy_balance
 
 DRIVEN = Sine(amplitude=0.8, frequency=1.5)

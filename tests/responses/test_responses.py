@@ -6,6 +6,10 @@ import numpy as np
 import pytest
 
 from tests.models.scenes import WING, hanging_skin
+from toolkit.analyses.sensitivity.adjoint import adjoint
+from toolkit.analyses.sensitivity.direct import direct, numerical
+from toolkit.analyses.sensitivity.preparation import prepare, solve, values_of
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.file import load, save
 from toolkit.responses.energy import KineticEnergy
@@ -17,10 +21,6 @@ from toolkit.responses.shape_error import ShapeMax, ShapeMSE, ShapeRMS, gaps, sh
 from toolkit.responses.stress import KSStress, MaxStress, gap_bound, kreisselmeier_steinhauser, stress_field
 from toolkit.scene.changed_numbers import with_numbers
 from toolkit.scene.resolution import loaded
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.adjoint import adjoint
-from toolkit.sensitivity.direct import direct, numerical
-from toolkit.sensitivity.preparation import prepare, solve, values_of
 
 
 @pytest.fixture(scope="module")

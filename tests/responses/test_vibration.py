@@ -10,20 +10,20 @@ import ffrf
 from tests.models.directions import along, derivative_along
 from tests.models.response_cases import CASES, write_models
 from toolkit.analyses.modes import solve_modes
-from toolkit.bodies.rigid import Rigid
-from toolkit.curves.rise import Ramp
+from toolkit.analyses.sensitivity.methods import gradients_by
+from toolkit.analyses.sensitivity.preparation import prepare, solve
+from toolkit.components.bodies.rigid import Rigid
+from toolkit.components.curves.rise import Ramp
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.joints.slider import Slider
+from toolkit.components.loads.gravity import Gravity
+from toolkit.components.loads.point_force import PointForce
+from toolkit.components.loads.springs import RotationalSpringDamper, SpringDamper
 from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.slider import Slider
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.point_force import PointForce
-from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
 from toolkit.responses.vibration import DampingRatio, Frequency
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.methods import gradients_by
-from toolkit.sensitivity.preparation import prepare, solve
 
 MASS, STIFFNESS, DAMPING = 2.0, 300.0, 7.0
 

@@ -1,1 +1,1 @@
-"""Tests of the room `toolkit.results`."""
+"""Tests of the room `toolkit.files`."""

@@ -11,19 +11,19 @@ import pytest
 from typer.testing import CliRunner
 
 from tests.models.scenes import HANGING_DESIGN, MODELS, WING, hanging_skin
+from toolkit.analyses.sensitivity.direct import direct, evaluated, numerical
+from toolkit.analyses.sensitivity.preparation import ANALYSES, evaluate_responses, prepare, solve
+from toolkit.analyses.sensitivity.run import restored
 from toolkit.command_line.cli import app
+from toolkit.description.results_layout import BODY, STATES, ResultsFileError
+from toolkit.files.results import restore_scene, table_of
+from toolkit.files.results_file import load_results, save_results
+from toolkit.files.scene_reader import read_scene, scene_from_table
+from toolkit.files.tables import export_csv
 from toolkit.foundation.errors import InputError, ToolkitError
 from toolkit.foundation.files.safe_files import safe_name
-from toolkit.kept_run.layout import BODY, STATES, ResultsFileError
 from toolkit.responses.shape_error import shape_error, shape_error_history
 from toolkit.responses.stress import stress_field
-from toolkit.results.results import restore_scene, table_of
-from toolkit.results.results_file import load_results, save_results
-from toolkit.results.tables import export_csv
-from toolkit.scene_file.reader import read_scene, scene_from_table
-from toolkit.sensitivity.direct import direct, evaluated, numerical
-from toolkit.sensitivity.preparation import ANALYSES, evaluate_responses, prepare, solve
-from toolkit.sensitivity.run import restored
 
 
 @pytest.fixture(scope="module")
@@ -183,7 +183,7 @@ def test_an_interrupted_write_leaves_the_old_file(wing, tmp_path, monkeypatch):
     def interrupted(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("toolkit.results.results_file._write_gradients", interrupted)
+    monkeypatch.setattr("toolkit.files.results_file._write_gradients", interrupted)
     with pytest.raises(KeyboardInterrupt):
         save_results(results, tmp_path / "run.h5")
     assert [path.read_bytes() for path in tmp_path.iterdir()] == [before]

@@ -14,17 +14,17 @@ from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.flexible import Flexible, SpatialFlexible
-from toolkit.bodies.rigid import Rigid, SpatialRigid
-from toolkit.curves.rise import SmoothStep
+from toolkit.components.bodies.flexible import Flexible, SpatialFlexible
+from toolkit.components.bodies.rigid import Rigid, SpatialRigid
+from toolkit.components.curves.rise import SmoothStep
+from toolkit.components.joints.driver import AngleDriver, SpatialAngleDriver
+from toolkit.components.joints.revolute import Revolute, SpatialRevolute
+from toolkit.components.joints.rigid_joint import RigidJoint, SpatialRigidJoint
+from toolkit.components.joints.spherical import Spherical
+from toolkit.components.loads.point_force import PointForce, SpatialPointForce
 from toolkit.description.design import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, InputError, SingularSystemError
-from toolkit.joints.driver import AngleDriver, SpatialAngleDriver
-from toolkit.joints.revolute import Revolute, SpatialRevolute
-from toolkit.joints.rigid_joint import RigidJoint, SpatialRigidJoint
-from toolkit.joints.spherical import Spherical
-from toolkit.loads.point_force import PointForce, SpatialPointForce
 from toolkit.reduced_model.file import save
 from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene

@@ -13,18 +13,18 @@ from tests.models.every_number import SCENES
 from tests.models.scenes import MODELS, WING
 from tests.models.spatial_cases import write_models as write_spatial_models
 from tests.models.spatial_every_number import SCENES as SPATIAL
+from toolkit.analyses.sensitivity.certificate.differences import taylor_rates
+from toolkit.analyses.sensitivity.certificate.fresh_models import disagreements, fresh_gradients
+from toolkit.analyses.sensitivity.direct import direct
+from toolkit.analyses.sensitivity.methods import gradients_by
+from toolkit.analyses.sensitivity.run import restored
 from toolkit.description.design import CommonVariable
+from toolkit.files.gradient_units import gradient_unit
+from toolkit.files.results import collect
+from toolkit.files.results_file import load_results, save_results
+from toolkit.files.scene_reader import read_scene, scene_from_table
 from toolkit.foundation.errors import InputError
-from toolkit.results.results import collect
-from toolkit.results.results_file import load_results, save_results
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.gradient_units import gradient_unit
-from toolkit.scene_file.reader import read_scene, scene_from_table
-from toolkit.sensitivity.certificate.differences import taylor_rates
-from toolkit.sensitivity.certificate.fresh_models import disagreements, fresh_gradients
-from toolkit.sensitivity.direct import direct
-from toolkit.sensitivity.methods import gradients_by
-from toolkit.sensitivity.run import restored
 from toolkit.studies.stability.study import stability
 from toolkit.studies.tradeoff.tradeoff import plan, tradeoff
 

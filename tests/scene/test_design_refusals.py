@@ -7,11 +7,11 @@ import pytest
 
 from preprocessing import build
 from tests.reduced_model.test_element_variables import WING, write_wing
+from toolkit.analyses.sensitivity.methods import gradients_by
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.file import save
 from toolkit.scene.resolution import loaded
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.methods import gradients_by
 from toolkit.system.system import compile_scene
 
 CRAIG_BAMPTON = """[basis]

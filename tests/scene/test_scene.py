@@ -5,23 +5,23 @@ import pytest
 
 from tests.models.scenes import MODELS, WING, hanging_skin
 from toolkit.analyses.statics import solve_statics
-from toolkit.bodies.body import Body, PlanarBody, SpatialBody
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.curves.rise import SmoothStep
+from toolkit.components.bodies.body import Body, PlanarBody, SpatialBody
+from toolkit.components.bodies.flexible import Flexible
+from toolkit.components.bodies.rigid import Rigid, Rod
+from toolkit.components.curves.rise import SmoothStep
+from toolkit.components.joints.joint import Joint, PlanarJoint, SpatialJoint
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.joints.rigid_joint import RigidJoint
+from toolkit.components.joints.slider import Slider
+from toolkit.components.loads.load import AnyLoad, AnyPlanarLoad, AnySpatialLoad, Load
+from toolkit.components.loads.torque import Torque
 from toolkit.description.design import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import InputError
-from toolkit.joints.joint import Joint, PlanarJoint, SpatialJoint
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.rigid_joint import RigidJoint
-from toolkit.joints.slider import Slider
-from toolkit.loads.load import AnyLoad, AnyPlanarLoad, AnySpatialLoad, Load
-from toolkit.loads.torque import Torque
 from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.scene.space import PLANE, SPACE
-from toolkit.scene_file.reader import read_scene
 from toolkit.system.system import compile_scene
 
 

@@ -11,28 +11,28 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from toolkit.analyses.sensitivity.preparation import prepare
 from toolkit.analyses.statics import farthest, free_motion_states, solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.curves.combined import Sum
-from toolkit.curves.oscillation import Sine
-from toolkit.curves.polynomial import Constant
-from toolkit.curves.rise import SmoothStep
-from toolkit.curves.table import Table
+from toolkit.components.bodies.rigid import Rigid, Rod
+from toolkit.components.curves.combined import Sum
+from toolkit.components.curves.oscillation import Sine
+from toolkit.components.curves.polynomial import Constant
+from toolkit.components.curves.rise import SmoothStep
+from toolkit.components.curves.table import Table
+from toolkit.components.joints.distance import Distance
+from toolkit.components.joints.driver import AngleDriver, PositionDriver
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.joints.rigid_joint import RigidJoint
+from toolkit.components.loads.bushing import Bushing
+from toolkit.components.loads.gravity import Gravity
+from toolkit.components.loads.point_force import PointForce
+from toolkit.components.loads.springs import RotationalSpringDamper, SpringDamper
 from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import ConvergenceError, InputError, ModelFileError, SingularSystemError
-from toolkit.joints.distance import Distance
-from toolkit.joints.driver import AngleDriver, PositionDriver
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.rigid_joint import RigidJoint
-from toolkit.loads.bushing import Bushing
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.point_force import PointForce
-from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.preparation import prepare
 from toolkit.system.system import compile_scene
 from toolkit.validity.scene_cautions import cautions_of_scene
 

@@ -12,11 +12,11 @@ from jsonschema import Draft7Validator
 
 from tests.models.spatial_cases import KINDS, SpatialCase
 from tests.models.spatial_every_number import SCENES
+from toolkit.analyses.sensitivity.preparation import prepare
+from toolkit.components.joints.joint import Joint
+from toolkit.files.results import table_of
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import InputError
-from toolkit.joints.joint import Joint
-from toolkit.results.results import table_of
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.preparation import prepare
 
 DOOR = """units = "m-kg-s"
 dimension = 3

@@ -1,1 +1,1 @@
-"""Tests of the room `toolkit.scene_file`."""
+"""Tests of the room `toolkit.files`."""

@@ -11,11 +11,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tests.fuzz.toml_mutations import NAMES, NUMBERS, as_toml, document, spoilt, values
+from toolkit.analyses.sensitivity.preparation import evaluate_responses, prepare, solve
 from toolkit.command_line.commands.inspection import describe_scene
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import ToolkitError
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.preparation import evaluate_responses, prepare, solve
 
 pytestmark = pytest.mark.robustness
 

@@ -12,9 +12,7 @@ from tests.models.every_number import SCENES
 from tests.models.scenes import hanging_skin
 from tests.models.spatial_cases import write_models as write_spatial_models
 from tests.models.spatial_every_number import SCENES as SPATIAL_SCENES
-from toolkit.foundation.units import Dimension, factor
-from toolkit.scene.scene import Scene
-from toolkit.scene_file.gradient_units import (
+from toolkit.files.gradient_units import (
     dimension_label,
     gradient_unit,
     gradient_units,
@@ -23,7 +21,9 @@ from toolkit.scene_file.gradient_units import (
     response_dimension,
     variable_unit,
 )
-from toolkit.scene_file.reader import read_scene
+from toolkit.files.scene_reader import read_scene
+from toolkit.foundation.units import Dimension, factor
+from toolkit.scene.scene import Scene
 
 MODELS = Path(__file__).parents[2] / "models"
 IN_SI = {

@@ -14,11 +14,11 @@ import pytest
 from preprocessing.airfoil.airfoil_file import read_airfoil
 from preprocessing.builders.skin_recipe import SkinRecipe
 from tests.fuzz.hostile_hdf5 import IN_PLACE_OF_ANYTHING
+from toolkit.description.results_layout import ResultsFileError
+from toolkit.files.results_file import load_results
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import InputError, ModelFileError
-from toolkit.kept_run.layout import ResultsFileError
 from toolkit.reduced_model.file import load
-from toolkit.results.results_file import load_results
-from toolkit.scene_file.reader import read_scene
 from toolkit.studies.study_file import read_study
 
 ROOT = Path(__file__).parents[2]

@@ -14,23 +14,23 @@ from preprocessing.elements.section import Section
 from tests.models.cases import write_models
 from tests.models.every_number import SCENES
 from tests.models.scenes import HANGING_DESIGN, WING, hanging_skin
-from toolkit.curves.curve import Curve
-from toolkit.curves.oscillation import Sine
+from toolkit.analyses.sensitivity.direct import direct
+from toolkit.components.curves.curve import Curve
+from toolkit.components.curves.oscillation import Sine
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.loads.load import PlanarLoad
+from toolkit.components.loads.point_force import point_force
 from toolkit.description.description import Description, Number, Quantity
+from toolkit.files.gradient_units import converted, number_factor, response_factor
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import LABELLED, UNIT_SYSTEMS, Dimension, factor
-from toolkit.joints.revolute import Revolute
-from toolkit.loads.load import PlanarLoad
-from toolkit.loads.point_force import point_force
 from toolkit.reduced_model.conversion import converted_model
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.file import load
 from toolkit.reduced_model.model import ReducedModel
 from toolkit.responses.stress import KSStress
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.gradient_units import converted, number_factor, response_factor
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.direct import direct
 
 
 def other(units: str) -> str:

@@ -14,12 +14,12 @@ from jsonschema import Draft7Validator
 from preprocessing.builders.skin_recipe import SkinRecipe
 from tests.models.cases import KINDS, Case
 from tests.models.scenes import hanging_skin
-from toolkit.bodies.body import PlanarBody
+from toolkit.components.bodies.body import PlanarBody
+from toolkit.components.joints.joint import Joint
+from toolkit.components.loads.gravity import Gravity
+from toolkit.files.scene_reader import read_scene, scene_from_table
 from toolkit.foundation.errors import InputError
-from toolkit.joints.joint import Joint
-from toolkit.loads.gravity import Gravity
 from toolkit.scene.kinds import kinds_of
-from toolkit.scene_file.reader import read_scene, scene_from_table
 
 ROOT = Path(__file__).parents[2]
 FILES = sorted(ROOT.glob("models/*/*.toml"))

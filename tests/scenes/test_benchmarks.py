@@ -14,18 +14,18 @@ from tests.models.four_bars import four_bars
 from toolkit.analyses.modes import solve_modes, undeformed
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.rigid import Rigid
+from toolkit.components.bodies.flexible import Flexible
+from toolkit.components.bodies.rigid import Rigid
+from toolkit.components.joints.distance import Distance
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.joints.rigid_joint import RigidJoint
+from toolkit.components.joints.slider import Slider
+from toolkit.components.loads.gravity import Gravity
+from toolkit.components.loads.point_force import PointForce
+from toolkit.components.loads.springs import SpringDamper
+from toolkit.components.loads.torque import Torque
 from toolkit.description.design import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.distance import Distance
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.rigid_joint import RigidJoint
-from toolkit.joints.slider import Slider
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.point_force import PointForce
-from toolkit.loads.springs import SpringDamper
-from toolkit.loads.torque import Torque
 from toolkit.reduced_model.file import load
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution

@@ -21,19 +21,19 @@ from preprocessing.elements.section import Section
 from preprocessing.reduction.basis import BasisChoice
 from tests.models.beam_models import save_beam
 from tests.models.directions import along, derivative_along, direction
+from toolkit.analyses.sensitivity.certificate.fresh_models import disagreements, fresh_gradients
+from toolkit.analyses.sensitivity.direct import direct
+from toolkit.analyses.sensitivity.preparation import prepare
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.command_line.commands.inspection import describe_scene
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.rigid_joint import RigidJoint
-from toolkit.joints.slider import Slider
-from toolkit.loads.point_force import PointForce
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.joints.rigid_joint import RigidJoint
+from toolkit.components.joints.slider import Slider
+from toolkit.components.loads.point_force import PointForce
+from toolkit.files.scene_reader import read_scene
 from toolkit.reduced_model.file import save
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.certificate.fresh_models import disagreements, fresh_gradients
-from toolkit.sensitivity.direct import direct
-from toolkit.sensitivity.preparation import prepare
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
 from toolkit.validity.bodies.carried_force import lateral_compliance, turning_frames

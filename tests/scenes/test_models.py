@@ -20,16 +20,16 @@ from preprocessing import build
 from tests.models import directions
 from tests.models.solid_bodies import compliance, frequencies
 from toolkit.analyses.run_start import start_at_rest
+from toolkit.analyses.sensitivity.direct import direct
+from toolkit.analyses.sensitivity.preparation import prepare
+from toolkit.analyses.sensitivity.run import Run
 from toolkit.analyses.transient import simulate
 from toolkit.api.model import compile_model
-from toolkit.curves.rise import Cycloid
+from toolkit.components.curves.rise import Cycloid
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import LimitPointError, SingularSystemError
 from toolkit.reduced_model.file import load
 from toolkit.scene.resolution import loaded
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.direct import direct
-from toolkit.sensitivity.preparation import prepare
-from toolkit.sensitivity.run import Run
 from toolkit.studies.design_work import Evaluator
 from toolkit.studies.optimization.program import Program
 from toolkit.studies.problem import problem_of

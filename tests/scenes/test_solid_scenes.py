@@ -12,13 +12,13 @@ from preprocessing.builders.frame_recipe import polygon_beam
 from preprocessing.elements.section import Section
 from tests.models.directions import along, derivative_along, direction
 from tests.models.solid_bodies import DENSITY, MODULUS, WIDTH, rectangle, write_body
+from toolkit.analyses.sensitivity.certificate.fresh_models import disagreements, fresh_gradients
+from toolkit.analyses.sensitivity.direct import direct
+from toolkit.analyses.sensitivity.preparation import prepare, values_of
 from toolkit.analyses.transient import simulate
+from toolkit.files.scene_reader import read_scene
 from toolkit.reduced_model.file import save
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.certificate.fresh_models import disagreements, fresh_gradients
-from toolkit.sensitivity.direct import direct
-from toolkit.sensitivity.preparation import prepare, values_of
 
 pytestmark = pytest.mark.usefixtures("read_here", "programs_here")
 

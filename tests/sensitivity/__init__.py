@@ -1,1 +1,1 @@
-"""Tests of the room `toolkit.sensitivity`."""
+"""Tests of the room `toolkit.analyses.sensitivity`."""

@@ -5,17 +5,17 @@ from __future__ import annotations
 import pytest
 
 from tests.models.scenes import HANGING_DESIGN, WING, hanging_skin
+from toolkit.analyses.sensitivity.adjoint import adjoint_gradients
+from toolkit.analyses.sensitivity.direct import direct
+from toolkit.analyses.sensitivity.methods import gradients_by
+from toolkit.analyses.sensitivity.preparation import prepare
 from toolkit.analyses.transient import simulate
 from toolkit.description.run_options import RunOptions
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import InputError
 from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement, Rotation
 from toolkit.responses.over_time import TimeIntegral
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.adjoint import adjoint_gradients
-from toolkit.sensitivity.direct import direct
-from toolkit.sensitivity.methods import gradients_by
-from toolkit.sensitivity.preparation import prepare
 
 ROUND_OFF = 1e-9
 """Both methods are exact for the discrete equations; what differs is round-off, times the condition of the skin's equations."""

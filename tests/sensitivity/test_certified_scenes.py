@@ -12,26 +12,26 @@ from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
 from tests.models.directions import along, derivative_along, direction
 from tests.scenes.test_benchmarks import CHAIN, slider_crank
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.compilation.quantities import STEP
-from toolkit.curves.rise import SmoothStep
+from toolkit.analyses.sensitivity.methods import gradients_by
+from toolkit.analyses.sensitivity.preparation import Kind, values_of
+from toolkit.components.bodies.flexible import Flexible
+from toolkit.components.bodies.rigid import Rigid, Rod
+from toolkit.components.curves.rise import SmoothStep
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.joints.slider import Slider
+from toolkit.components.loads.gravity import Gravity
+from toolkit.components.loads.point_force import PointForce
+from toolkit.components.loads.springs import RotationalSpringDamper, SpringDamper
+from toolkit.components.loads.torque import Torque
 from toolkit.description.design import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.slider import Slider
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.point_force import PointForce
-from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
-from toolkit.loads.torque import Torque
 from toolkit.responses.energy import KineticEnergy
 from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement, Rotation
 from toolkit.responses.over_time import TimeIntegral
 from toolkit.responses.stress import KSStress, MaxStress
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.methods import gradients_by
-from toolkit.sensitivity.preparation import Kind, values_of
+from toolkit.system.quantities import STEP
 
 AGREEMENT = 1e-9
 """All methods are exact for the discrete equations. What differs is round-off of the state, 1e-16 of the model size, times the

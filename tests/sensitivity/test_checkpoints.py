@@ -11,6 +11,9 @@ from tests.benchmarks.chain import chain
 from tests.models.response_cases import PLANE, plane, write_models
 from tests.models.scenes import HANGING_DESIGN, hanging_skin
 from toolkit.analyses.checkpoints import solve_windows, window_bounds
+from toolkit.analyses.sensitivity.adjoint import adjoint
+from toolkit.analyses.sensitivity.direct import direct
+from toolkit.analyses.sensitivity.preparation import prepare
 from toolkit.analyses.transient import simulate
 from toolkit.foundation.errors import InputError
 from toolkit.responses.joint_force import JointForce
@@ -18,9 +21,6 @@ from toolkit.responses.response import Partials, Response
 from toolkit.responses.stress import KSStress
 from toolkit.responses.windows import combine
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.adjoint import adjoint
-from toolkit.sensitivity.direct import direct
-from toolkit.sensitivity.preparation import prepare
 from toolkit.solvers.transient.run import prepare_run
 
 ROUND_OFF = 1e-10

@@ -11,14 +11,14 @@ from tests.models.cases import write_models
 from tests.models.curves import built_in_curves
 from tests.models.directions import along, derivative_along, direction, felt_direction
 from tests.models.every_number import SCENES, rods
-from toolkit.bodies.ground import Ground
-from toolkit.curves.catalogue import Curve
+from toolkit.analyses.sensitivity.methods import gradients_by
+from toolkit.analyses.sensitivity.preparation import prepare, solve
+from toolkit.components.bodies.ground import Ground
+from toolkit.components.curves.catalogue import Curve
 from toolkit.description.description import Description
 from toolkit.foundation.errors import InputError
 from toolkit.scene.kinds import kinds_of
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.methods import gradients_by
-from toolkit.sensitivity.preparation import prepare, solve
 
 AGREEMENT = 1e-9
 """All methods are exact for the discrete equations; round-off is 1e-16 times the 1/step^2 = 2500 and the condition 1e3."""

@@ -12,13 +12,13 @@ import pytest
 from preprocessing import build
 from preprocessing.builders.frame_recipe import polygon_beam
 from preprocessing.elements.section import Section
+from toolkit.analyses.sensitivity.certificate.fresh_models import disagreements, fresh_gradients
+from toolkit.analyses.sensitivity.direct import direct
+from toolkit.analyses.sensitivity.preparation import values_of
+from toolkit.analyses.sensitivity.run import Run
+from toolkit.files.scene_reader import read_scene
 from toolkit.reduced_model.file import load, save
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.certificate.fresh_models import disagreements, fresh_gradients
-from toolkit.sensitivity.direct import direct
-from toolkit.sensitivity.preparation import values_of
-from toolkit.sensitivity.run import Run
 
 WING = Path(__file__).parents[2] / "models" / "morphing_wing"
 CHANGES = {

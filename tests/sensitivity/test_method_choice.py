@@ -6,13 +6,13 @@ import pytest
 
 from tests.benchmarks.chain import chain
 from tests.models.scenes import WING, hanging_skin
+from toolkit.analyses.sensitivity.compiled import Compiled
+from toolkit.analyses.sensitivity.direct import direct
+from toolkit.analyses.sensitivity.methods import choose, gradients_by
+from toolkit.files.scene_reader import read_scene
 from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement
 from toolkit.responses.over_time import TimeIntegral
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.compiled import Compiled
-from toolkit.sensitivity.direct import direct
-from toolkit.sensitivity.methods import choose, gradients_by
 
 ZERO_LENGTH = {"way": TimeIntegral(of=Displacement(body="arm", point="C", component="magnitude"))}
 

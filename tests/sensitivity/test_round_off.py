@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.certificate import certificate
-from toolkit.sensitivity.certificate.certificate import DisagreementError, certify
-from toolkit.sensitivity.certificate.differences import STEPS, direction, jumping, round_off, taylor_rates
-from toolkit.sensitivity.direct import direct
-from toolkit.sensitivity.methods import gradients_by
-from toolkit.sensitivity.preparation import response_scales, variable_sizes
+from toolkit.analyses.sensitivity.certificate import certificate
+from toolkit.analyses.sensitivity.certificate.certificate import DisagreementError, certify
+from toolkit.analyses.sensitivity.certificate.differences import STEPS, direction, jumping, round_off, taylor_rates
+from toolkit.analyses.sensitivity.direct import direct
+from toolkit.analyses.sensitivity.methods import gradients_by
+from toolkit.analyses.sensitivity.preparation import response_scales, variable_sizes
+from toolkit.files.scene_reader import read_scene
 from toolkit.system.system import compile_scene
 
 MODELS = Path(__file__).parents[2] / "models"

@@ -7,20 +7,20 @@ import ffrf
 from preprocessing import build
 from tests.models.directions import along, derivative_along, direction
 from tests.models.scenes import HANGING_DESIGN, MODELS, WING, hanging_skin
+from toolkit.analyses.sensitivity.certificate.differences import step_study, taylor_rates
+from toolkit.analyses.sensitivity.direct import direct, numerical
+from toolkit.analyses.sensitivity.preparation import prepare, values_of
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.rigid import Rod
+from toolkit.components.bodies.rigid import Rod
+from toolkit.components.joints.distance import Distance
+from toolkit.components.joints.revolute import Revolute
 from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import InputError, NoDerivativeError
-from toolkit.joints.distance import Distance
-from toolkit.joints.revolute import Revolute
 from toolkit.reduced_model.file import save
 from toolkit.responses.motion import Rotation
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.certificate.differences import step_study, taylor_rates
-from toolkit.sensitivity.direct import direct, numerical
-from toolkit.sensitivity.preparation import prepare, values_of
 from toolkit.solvers.start import initial_conditions
 
 AGREEMENT = 5e-10

@@ -13,8 +13,8 @@ from tests.models.spatial_cases import write_models
 from tests.models.spatial_every_number import SCENES
 from tests.scene_file.test_scene_units import differences
 from tests.sensitivity.test_every_number import GOES_ON, NO_TURN, kinds_in, optional_numbers
+from toolkit.analyses.sensitivity.methods import gradients_by
 from toolkit.scene.kinds import kinds_of
-from toolkit.sensitivity.methods import gradients_by
 
 AGREEMENT = 1e-11
 """Of the response's largest derivative: round-off is 1e-16 times the 1/step^2 = 2500 and the condition 1e2 of the equations."""

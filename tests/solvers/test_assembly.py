@@ -7,23 +7,23 @@ from typing import Any
 import numpy as np
 import pytest
 
+from toolkit.analyses.sensitivity.direct import direct
+from toolkit.analyses.sensitivity.methods import gradients_by
+from toolkit.analyses.sensitivity.preparation import values_of
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.rigid import Rod
-from toolkit.curves.combined import Sum
-from toolkit.curves.oscillation import Sine
-from toolkit.curves.polynomial import Constant
+from toolkit.components.bodies.rigid import Rod
+from toolkit.components.curves.combined import Sum
+from toolkit.components.curves.oscillation import Sine
+from toolkit.components.curves.polynomial import Constant
+from toolkit.components.joints.distance import Distance
+from toolkit.components.joints.driver import AngleDriver
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.loads.gravity import Gravity
 from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, InputError
-from toolkit.joints.distance import Distance
-from toolkit.joints.driver import AngleDriver
-from toolkit.joints.revolute import Revolute
-from toolkit.loads.gravity import Gravity
 from toolkit.responses.motion import Rotation
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.direct import direct
-from toolkit.sensitivity.methods import gradients_by
-from toolkit.sensitivity.preparation import values_of
 from toolkit.system.system import compile_scene
 
 FREE = Sum(terms=(Constant(value=0.0), Sine(amplitude=0.3, frequency=0.8)))

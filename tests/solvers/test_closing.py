@@ -12,16 +12,16 @@ import scipy
 from tests.spatial.scenes import at
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.rigid import Rod, SpatialRod
-from toolkit.curves.polynomial import Constant
-from toolkit.curves.rise import SmoothStep
+from toolkit.components.bodies.rigid import Rod, SpatialRod
+from toolkit.components.curves.polynomial import Constant
+from toolkit.components.curves.rise import SmoothStep
+from toolkit.components.joints.distance import Distance, SpatialDistance
+from toolkit.components.joints.driver import AngleDriver, SpatialAngleDriver
+from toolkit.components.joints.revolute import Revolute, SpatialRevolute
+from toolkit.components.loads.gravity import Gravity
 from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, InputError, LimitPointError
-from toolkit.joints.distance import Distance, SpatialDistance
-from toolkit.joints.driver import AngleDriver, SpatialAngleDriver
-from toolkit.joints.revolute import Revolute, SpatialRevolute
-from toolkit.loads.gravity import Gravity
 from toolkit.scene.scene import Scene
 from toolkit.system.system import compile_scene
 

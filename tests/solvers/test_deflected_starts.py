@@ -19,11 +19,11 @@ from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.description.design import BodyPoint
 from toolkit.description.run_options import RunOptions
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import InputError
 from toolkit.responses.point_motion import Deflection
 from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
 from toolkit.studies.stability.maps import speed_map
 from toolkit.system.system import compile_scene
 from toolkit.validity.start_cautions import cautions_of_start, start_lines, start_record

@@ -12,18 +12,18 @@ from tests.scenes.test_benchmarks import slider_crank
 from tests.solvers.test_orders import DESIGN, SECOND, driven_pendulum, orders
 from tests.solvers.test_orders import reference as reference
 from tests.solvers.test_orders import system as system
+from toolkit.analyses.sensitivity.certificate.certificate import certify
+from toolkit.analyses.sensitivity.methods import gradients_by
+from toolkit.analyses.sensitivity.preparation import prepare
 from toolkit.analyses.transient import simulate
+from toolkit.components.loads.gravity import Gravity
 from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import NeedsDirectError
 from toolkit.linear.sparse_analysis import analyse
-from toolkit.loads.gravity import Gravity
 from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Rotation
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.certificate.certificate import certify
-from toolkit.sensitivity.methods import gradients_by
-from toolkit.sensitivity.preparation import prepare
 from toolkit.solvers.transient.ggl_step import ggl_pattern
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene

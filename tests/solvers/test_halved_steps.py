@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import ffrf
+from toolkit.analyses.sensitivity import chosen_frames
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import ConvergenceError
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity import chosen_frames
 from toolkit.system.system import compile_scene
 from toolkit.validity.components import told_frictions
 

@@ -9,16 +9,16 @@ import pytest
 
 from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
+from toolkit.analyses.sensitivity.preparation import evaluate_responses, prepare
 from toolkit.analyses.statics import solve_statics
-from toolkit.bodies.flexible import Flexible
+from toolkit.components.bodies.flexible import Flexible
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.loads.gravity import Gravity
 from toolkit.description.design import BodyPoint
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ToolkitError
-from toolkit.joints.revolute import Revolute
-from toolkit.loads.gravity import Gravity
 from toolkit.responses.motion import Displacement
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.preparation import evaluate_responses, prepare
 
 STEEL = Section(youngs_modulus=2.1e11, density=7850.0, thickness=0.1, width=0.01)
 

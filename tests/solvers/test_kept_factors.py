@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from tests.models.scenes import WING
+from toolkit.analyses.sensitivity.preparation import frozen
 from toolkit.analyses.transient import simulate
 from toolkit.description.run_options import RunOptions
+from toolkit.files.scene_reader import read_scene
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.preparation import frozen
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
 

@@ -14,22 +14,22 @@ from typer.testing import CliRunner
 import ffrf
 from tests.models.cases import write_models
 from tests.models.spatial_cases import write_models as write_spatial_models
+from toolkit.analyses.sensitivity.certificate.certificate import certify
+from toolkit.analyses.sensitivity.certificate.fresh_models import fresh_gradients
+from toolkit.analyses.sensitivity.methods import gradients_by
+from toolkit.analyses.sensitivity.preparation import evaluate_responses, prepare
 from toolkit.analyses.transient import simulate
 from toolkit.command_line.cli import app
-from toolkit.curves.rise import Cycloid
+from toolkit.components.curves.rise import Cycloid
 from toolkit.description.description import Description
 from toolkit.description.design import BodyPoint
+from toolkit.description.results_layout import ResultsFileError
 from toolkit.description.run_options import RunOptions
+from toolkit.files.results import restore_scene
+from toolkit.files.results_file import load_results, save_results
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import InputError
-from toolkit.kept_run.layout import ResultsFileError
-from toolkit.results.results import restore_scene
-from toolkit.results.results_file import load_results, save_results
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.certificate.certificate import certify
-from toolkit.sensitivity.certificate.fresh_models import fresh_gradients
-from toolkit.sensitivity.methods import gradients_by
-from toolkit.sensitivity.preparation import evaluate_responses, prepare
 from toolkit.solvers.start.initial_conditions import continued_start
 from toolkit.studies.stability.maps import speed_map
 from toolkit.studies.stability.study import unit_map
@@ -281,7 +281,7 @@ def with_another_model(scene: Scene, folder: Path) -> Scene:
 
 
 def in_other_units(scene: Scene, folder: Path) -> Scene:
-    from toolkit.scene_file.gradient_units import converted
+    from toolkit.files.gradient_units import converted
 
     (folder / "units").mkdir(exist_ok=True)
     shutil.copy(folder / "kept.h5", folder / "units" / "kept.h5")

@@ -14,17 +14,17 @@ from tests.benchmarks.space import hanging
 from tests.models.scenes import WING
 from toolkit.analyses.run_start import run_start
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.rigid import Rod
-from toolkit.curves.table import Table
+from toolkit.components.bodies.rigid import Rod
+from toolkit.components.curves.table import Table
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.loads.gravity import Gravity
+from toolkit.components.loads.torque import Torque
 from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.compiled.rows import LANES
 from toolkit.foundation.kernel import plain
-from toolkit.joints.revolute import Revolute
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.torque import Torque
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
 from toolkit.solvers.transient.newton import SINGULAR
 from toolkit.solvers.transient.run import Integration, allocate_history, failure_of_step, prepare_run, take_steps
 from toolkit.solvers.transient.scheme import generalized_alpha

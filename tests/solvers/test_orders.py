@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.curves.oscillation import Sine
+from toolkit.components.bodies.rigid import Rigid, Rod
+from toolkit.components.curves.oscillation import Sine
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.loads.gravity import Gravity
+from toolkit.components.loads.springs import RotationalSpringDamper
+from toolkit.components.loads.torque import Torque
 from toolkit.description.design import Point
 from toolkit.description.run_options import Baumgarte, RunOptions
-from toolkit.joints.revolute import Revolute
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.springs import RotationalSpringDamper
-from toolkit.loads.torque import Torque
 from toolkit.scene.scene import Scene
 from toolkit.solvers.transient.scheme import constraint_levels, generalized_alpha
 from toolkit.system.system import System, compile_scene

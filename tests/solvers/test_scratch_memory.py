@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from toolkit.analyses.sensitivity.preparation import prepare
 from toolkit.analyses.transient import simulate
 from toolkit.description.run_options import RunOptions
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.compiled.calls import in_memory
 from toolkit.linear.sparse_analysis import LUPlan
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.preparation import prepare
 from toolkit.solvers.transient.step_memory import Memory, allocate_memory, taken_memory
 from toolkit.system.renewal import renewed
 from toolkit.system.system import System

@@ -9,8 +9,8 @@ import pytest
 
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import ConvergenceError, LimitPointError
-from toolkit.scene_file.reader import read_scene
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
 

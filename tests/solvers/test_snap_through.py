@@ -11,20 +11,20 @@ from scipy.optimize import brentq
 from typer.testing import CliRunner
 
 from toolkit.analyses.modes import solve_modes
+from toolkit.analyses.sensitivity.methods import gradients_by
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.command_line.cli import app
+from toolkit.components.bodies.rigid import Rigid, Rod
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.joints.slider import Slider
+from toolkit.components.loads.point_force import PointForce
+from toolkit.components.loads.springs import RotationalSpringDamper, SpringDamper
 from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import BifurcationError, ConvergenceError, CriticalPointError, CriticalStateError, LimitPointError
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.slider import Slider
-from toolkit.loads.point_force import PointForce
-from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.methods import gradients_by
 from toolkit.system.system import compile_scene
 
 WING = Path(__file__).parents[2] / "models" / "snap_through" / "scene.toml"

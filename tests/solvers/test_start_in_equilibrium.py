@@ -15,15 +15,15 @@ from tests.models.every_number import SCENES
 from tests.models.spatial_cases import write_models as write_spatial_models
 from tests.models.spatial_every_number import SCENES as SPATIAL
 from toolkit.analyses.run_start import start_at_rest
-from toolkit.cost_summary.cost_summary import cost_summary
-from toolkit.curves.oscillation import Harmonic
-from toolkit.curves.polynomial import Constant
+from toolkit.analyses.sensitivity.direct import direct
+from toolkit.analyses.sensitivity.methods import gradients_by
+from toolkit.analyses.sensitivity.preparation import prepare
+from toolkit.components.curves.oscillation import Harmonic
+from toolkit.components.curves.polynomial import Constant
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError
+from toolkit.report.cost_summary import cost_summary
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.direct import direct
-from toolkit.sensitivity.methods import gradients_by
-from toolkit.sensitivity.preparation import prepare
 
 MASS, STIFFNESS, FORCE, FREQUENCY, END = 1.3, 40.0, 6.0, 0.35, 1.1
 

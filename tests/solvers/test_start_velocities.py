@@ -12,22 +12,22 @@ from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
 from tests.models.starts import derivatives_agree, started
 from toolkit.analyses.modes import undeformed
+from toolkit.analyses.sensitivity.methods import gradients_by
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.curves.oscillation import Sine
+from toolkit.components.bodies.flexible import Flexible
+from toolkit.components.bodies.rigid import Rigid, Rod
+from toolkit.components.curves.oscillation import Sine
+from toolkit.components.joints.distance import Distance
+from toolkit.components.joints.driver import AngleDriver
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.joints.rigid_joint import RigidJoint
 from toolkit.description.design import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
+from toolkit.files.scene_reader import scene_from_table
 from toolkit.foundation.errors import InputError
-from toolkit.joints.distance import Distance
-from toolkit.joints.driver import AngleDriver
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.rigid_joint import RigidJoint
 from toolkit.responses.motion import Rotation
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import scene_from_table
-from toolkit.sensitivity.methods import gradients_by
 from toolkit.system.system import compile_scene
 from toolkit.validity.start_cautions import cautions_of_start, moved_bodies, start_lines, start_record, start_state
 

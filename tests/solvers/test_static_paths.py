@@ -12,19 +12,19 @@ from tests.models.fine_path import FinePath
 from tests.models.random_statics import KINDS, SNAPPING, WING, random_scene
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.curves.rise import SmoothStep
+from toolkit.components.bodies.rigid import Rigid, Rod
+from toolkit.components.curves.rise import SmoothStep
+from toolkit.components.joints.driver import PositionDriver
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.joints.slider import Slider
+from toolkit.components.loads.gravity import Gravity
+from toolkit.components.loads.point_force import PointForce
+from toolkit.components.loads.springs import RotationalSpringDamper, SpringDamper
 from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import BifurcationError, ConvergenceError, CriticalPointError, LimitPointError
-from toolkit.joints.driver import PositionDriver
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.slider import Slider
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.point_force import PointForce
-from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
 from toolkit.solvers.static.static_matrix import Saddle, Softness, softest
 from toolkit.system.system import System, compile_scene
 

@@ -10,30 +10,30 @@ import pytest
 from tests.models.directions import check_states
 from tests.models.scenes import HANGING_DESIGN, WING, hanging_skin
 from tests.solvers.test_orders import DESIGN, driven_pendulum
+from toolkit.analyses.sensitivity.adjoint import adjoint
+from toolkit.analyses.sensitivity.certificate.certificate import certify
+from toolkit.analyses.sensitivity.direct import direct, numerical
+from toolkit.analyses.sensitivity.preparation import frozen, prepare, solve
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.curves.combined import Sum
-from toolkit.curves.oscillation import Sine
-from toolkit.curves.polynomial import Constant
-from toolkit.curves.rise import SmoothStep
-from toolkit.curves.table import Table
+from toolkit.components.bodies.rigid import Rigid, Rod
+from toolkit.components.curves.combined import Sum
+from toolkit.components.curves.oscillation import Sine
+from toolkit.components.curves.polynomial import Constant
+from toolkit.components.curves.rise import SmoothStep
+from toolkit.components.curves.table import Table
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.joints.slider import Slider
+from toolkit.components.loads.gravity import Gravity
+from toolkit.components.loads.point_force import PointForce
+from toolkit.components.loads.springs import SpringDamper
+from toolkit.components.loads.torque import Torque
 from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import ConvergenceError, InputError
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.slider import Slider
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.point_force import PointForce
-from toolkit.loads.springs import SpringDamper
-from toolkit.loads.torque import Torque
 from toolkit.responses.motion import Rotation
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.adjoint import adjoint
-from toolkit.sensitivity.certificate.certificate import certify
-from toolkit.sensitivity.direct import direct, numerical
-from toolkit.sensitivity.preparation import frozen, prepare, solve
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
 from toolkit.validity.energy_balance import energy_balance

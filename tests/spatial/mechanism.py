@@ -5,20 +5,20 @@ from __future__ import annotations
 from pathlib import Path
 
 from tests.spatial.scenes import at, save_frame
-from toolkit.bodies.flexible import SpatialFlexible
-from toolkit.bodies.rigid import SpatialRigid
-from toolkit.curves.rise import SmoothStep
+from toolkit.components.bodies.flexible import SpatialFlexible
+from toolkit.components.bodies.rigid import SpatialRigid
+from toolkit.components.curves.rise import SmoothStep
+from toolkit.components.joints.driver import SpatialAngleDriver
+from toolkit.components.joints.prismatic import Prismatic
+from toolkit.components.joints.revolute import SpatialRevolute
+from toolkit.components.joints.spherical import Spherical
+from toolkit.components.joints.universal import Universal
+from toolkit.components.loads.gravity import SpatialGravity
+from toolkit.components.loads.point_force import SpatialPointForce
+from toolkit.components.loads.springs import SpatialSpringDamper
+from toolkit.components.loads.torque import SpatialTorque
 from toolkit.description.design import BodyPoint
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.driver import SpatialAngleDriver
-from toolkit.joints.prismatic import Prismatic
-from toolkit.joints.revolute import SpatialRevolute
-from toolkit.joints.spherical import Spherical
-from toolkit.joints.universal import Universal
-from toolkit.loads.gravity import SpatialGravity
-from toolkit.loads.point_force import SpatialPointForce
-from toolkit.loads.springs import SpatialSpringDamper
-from toolkit.loads.torque import SpatialTorque
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
 from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement, Rotation

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolkit.kinematics.orientation import partials_of_quaternion
+from toolkit.foundation.kinematics.orientation import partials_of_quaternion
 from toolkit.system.system import System
 
 

@@ -1,6 +1,6 @@
 """Energy and momenta of a body of spatial beams in motion, by Gauss points along its elements and equal masses in its section.
 
-No matrix of the preprocessing or of the runtime takes part: only the shape functions of `toolkit.kinematics.beam_elements`.
+No matrix of the preprocessing or of the runtime takes part: only the shape functions of `toolkit.foundation.kinematics.beam_elements`.
 """
 
 from __future__ import annotations

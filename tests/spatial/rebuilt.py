@@ -11,23 +11,23 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.bodies.body import Body, Placed, StartVelocity
-from toolkit.bodies.flexible import Flexible, SpatialFlexible
-from toolkit.bodies.rigid import Rigid, Rod, SpatialRigid, SpatialRigidBody
+from toolkit.components.bodies.body import Body, Placed, StartVelocity
+from toolkit.components.bodies.flexible import Flexible, SpatialFlexible
+from toolkit.components.bodies.rigid import Rigid, Rod, SpatialRigid, SpatialRigidBody
+from toolkit.components.joints.distance import Distance, SpatialDistance
+from toolkit.components.joints.driver import AngleDriver, SpatialAngleDriver
+from toolkit.components.joints.joint import Joint
+from toolkit.components.joints.point_on_plane import PointOnPlane
+from toolkit.components.joints.prismatic import Prismatic
+from toolkit.components.joints.revolute import Revolute, SpatialRevolute
+from toolkit.components.joints.rigid_joint import RigidJoint, SpatialRigidJoint
+from toolkit.components.joints.slider import Slider
+from toolkit.components.loads.gravity import Gravity, SpatialGravity
+from toolkit.components.loads.point_force import PointForce, SpatialPointForce
+from toolkit.components.loads.springs import SpatialSpringDamper, SpringDamper
+from toolkit.components.loads.torque import SpatialTorque, Torque
 from toolkit.description.description import Positive
 from toolkit.description.design import Point
-from toolkit.joints.distance import Distance, SpatialDistance
-from toolkit.joints.driver import AngleDriver, SpatialAngleDriver
-from toolkit.joints.joint import Joint
-from toolkit.joints.point_on_plane import PointOnPlane
-from toolkit.joints.prismatic import Prismatic
-from toolkit.joints.revolute import Revolute, SpatialRevolute
-from toolkit.joints.rigid_joint import RigidJoint, SpatialRigidJoint
-from toolkit.joints.slider import Slider
-from toolkit.loads.gravity import Gravity, SpatialGravity
-from toolkit.loads.point_force import PointForce, SpatialPointForce
-from toolkit.loads.springs import SpatialSpringDamper, SpringDamper
-from toolkit.loads.torque import SpatialTorque, Torque
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 

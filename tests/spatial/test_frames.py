@@ -12,22 +12,22 @@ from tests.spatial.scenes import at, save_frame
 from toolkit.analyses.modes import solve_modes, undeformed
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.flexible import SpatialFlexible
-from toolkit.bodies.rigid import SpatialRigid
-from toolkit.curves.polynomial import Constant
+from toolkit.components.bodies.flexible import SpatialFlexible
+from toolkit.components.bodies.rigid import SpatialRigid
+from toolkit.components.curves.polynomial import Constant
+from toolkit.components.joints.driver import SpatialAngleDriver
+from toolkit.components.joints.joint import SpatialPointJoint
+from toolkit.components.joints.revolute import SpatialRevolute
+from toolkit.components.joints.rigid_joint import SpatialRigidJoint
+from toolkit.components.joints.rows import Row
+from toolkit.components.loads.gravity import SpatialGravity
+from toolkit.components.loads.point_force import SpatialPointForce
+from toolkit.components.loads.springs import SpatialSpringDamper
+from toolkit.components.loads.torque import SpatialTorque
+from toolkit.components.markers.component import Skeleton
 from toolkit.description.design import BodyPoint
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.driver import SpatialAngleDriver
-from toolkit.joints.joint import SpatialPointJoint
-from toolkit.joints.revolute import SpatialRevolute
-from toolkit.joints.rigid_joint import SpatialRigidJoint
-from toolkit.joints.rows import Row
-from toolkit.kinematics.orientation import matrix_of, quaternion_of
-from toolkit.loads.gravity import SpatialGravity
-from toolkit.loads.point_force import SpatialPointForce
-from toolkit.loads.springs import SpatialSpringDamper
-from toolkit.loads.torque import SpatialTorque
-from toolkit.markers.component import Skeleton
+from toolkit.foundation.kinematics.orientation import matrix_of, quaternion_of
 from toolkit.scene.scene import Scene
 from toolkit.system.system import System, compile_scene
 

@@ -6,9 +6,9 @@ import pytest
 
 from tests.models.directions import along, derivative_along, felt_direction
 from tests.spatial.mechanism import spatial_crank
+from toolkit.analyses.sensitivity.methods import gradients_by
 from toolkit.description.run_options import RunOptions
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.methods import gradients_by
 
 DESIGN = [
     "points.O.x",

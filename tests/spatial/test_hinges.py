@@ -9,7 +9,7 @@ import pytest
 
 import ffrf
 from ffrf import space
-from toolkit.kinematics.orientation import quaternion_of
+from toolkit.foundation.kinematics.orientation import quaternion_of
 from toolkit.system.redundant_joints import joint_terms
 from toolkit.system.system import compile_scene
 

@@ -7,23 +7,23 @@ import pytest
 
 from tests.spatial.scenes import at
 from toolkit.analyses.modes import solve_modes
+from toolkit.analyses.sensitivity.direct import direct
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.rigid import SpatialRigid
-from toolkit.curves.rise import SmoothStep
+from toolkit.components.bodies.rigid import SpatialRigid
+from toolkit.components.curves.rise import SmoothStep
+from toolkit.components.joints.driver import SpatialAngleDriver
+from toolkit.components.joints.revolute import SpatialRevolute
+from toolkit.components.loads.springs import SpatialRotationalSpringDamper
+from toolkit.components.loads.torque import SpatialTorque
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError
-from toolkit.joints.driver import SpatialAngleDriver
-from toolkit.joints.revolute import SpatialRevolute
-from toolkit.kinematics.orientation import matrix_of
-from toolkit.loads.springs import SpatialRotationalSpringDamper
-from toolkit.loads.torque import SpatialTorque
+from toolkit.foundation.kinematics.orientation import matrix_of
 from toolkit.responses.motion import Rotation
 from toolkit.responses.over_time import TimeMean
 from toolkit.responses.relative_angle import RelativeAngle
 from toolkit.responses.vibration import Frequency
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.direct import direct
 from toolkit.solvers.half_turns import half_turn
 from toolkit.system.system import compile_scene
 

@@ -9,21 +9,21 @@ import pytest
 
 from tests.models.solid_bodies import MODULUS, box, cantilever
 from tests.spatial.scenes import at
+from toolkit.analyses.sensitivity.methods import gradients_by
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.flexible import SpatialFlexible
-from toolkit.conformance.comparison import check_design_derivatives, check_state_derivatives
-from toolkit.curves.rise import SmoothStep
+from toolkit.api.comparison import check_design_derivatives, check_state_derivatives
+from toolkit.components.bodies.flexible import SpatialFlexible
+from toolkit.components.curves.rise import SmoothStep
+from toolkit.components.loads.pressure import Pressure
 from toolkit.description.design import BodyPoint
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
-from toolkit.loads.pressure import Pressure
 from toolkit.reduced_model.file import save
 from toolkit.responses.motion import Displacement
 from toolkit.responses.stress import KSStress, MaxStress
 from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.methods import gradients_by
 from toolkit.system.solution import MarkerStates
 from toolkit.system.system import compile_scene
 

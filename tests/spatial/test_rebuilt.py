@@ -17,12 +17,12 @@ from tests.spatial.rebuilt import angle, angle_rates, force, in_space, place
 from toolkit.analyses.modes import solve_modes
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.curves.rise import SmoothStep
+from toolkit.components.curves.rise import SmoothStep
+from toolkit.components.joints.driver import AngleDriver
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.driver import AngleDriver
+from toolkit.files.scene_reader import read_scene
 from toolkit.reduced_model.file import save
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
 

@@ -10,24 +10,24 @@ from scipy.linalg import null_space
 
 from tests.models.directions import along, derivative_along, direction
 from tests.spatial.scenes import at
+from toolkit.analyses.sensitivity.methods import gradients_by
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.rigid import SpatialRigid, SpatialRod
-from toolkit.compilation.redundant_rows import independent_rows
-from toolkit.curves.rise import SmoothStep
+from toolkit.components.bodies.rigid import SpatialRigid, SpatialRod
+from toolkit.components.curves.rise import SmoothStep
+from toolkit.components.joints.driver import SpatialAngleDriver
+from toolkit.components.joints.revolute import SpatialRevolute
+from toolkit.components.joints.spherical import Spherical
+from toolkit.components.loads.gravity import SpatialGravity
+from toolkit.components.loads.torque import SpatialTorque
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError, SingularSystemError
-from toolkit.joints.driver import SpatialAngleDriver
-from toolkit.joints.revolute import SpatialRevolute
-from toolkit.joints.spherical import Spherical
-from toolkit.loads.gravity import SpatialGravity
-from toolkit.loads.torque import SpatialTorque
 from toolkit.responses.joint_force import JointForce, SpatialJointForce
 from toolkit.responses.least_squares_forces import JointWrenches
 from toolkit.responses.motion import Rotation
 from toolkit.scene.scene import Scene
 from toolkit.scene.space import SPACE
-from toolkit.sensitivity.methods import gradients_by
 from toolkit.system.redundant_joints import joint_terms
+from toolkit.system.redundant_rows import independent_rows
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
 from toolkit.validity.energy_balance import energy_balance

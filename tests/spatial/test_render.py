@@ -11,32 +11,35 @@ from preprocessing import build
 from tests.models.cases import PROFILE
 from tests.models.pictures import distinct_colors, image, rest, skip_where_nothing_draws
 from tests.models.solid_bodies import box, cantilever
-from toolkit.bodies.flexible import SpatialFlexible
-from toolkit.bodies.rigid import Rod, SpatialRigid, SpatialRod
-from toolkit.curves.rise import SmoothStep
+from toolkit.analyses.sensitivity.direct import direct
+from toolkit.components.bodies.flexible import SpatialFlexible
+from toolkit.components.bodies.rigid import Rod, SpatialRigid, SpatialRod
+from toolkit.components.curves.rise import SmoothStep
+from toolkit.components.joints.cam import SpatialSwingCam
+from toolkit.components.joints.cylindrical import Cylindrical
+from toolkit.components.joints.distance import SpatialDistance
+from toolkit.components.joints.gear import SpatialGear
+from toolkit.components.joints.point_on_plane import PointOnPlane
+from toolkit.components.joints.prismatic import Prismatic
+from toolkit.components.joints.rack import SpatialRack
+from toolkit.components.joints.revolute import SpatialRevolute
+from toolkit.components.joints.rigid_joint import SpatialRigidJoint
+from toolkit.components.joints.screw import Screw
+from toolkit.components.joints.spherical import Spherical
+from toolkit.components.joints.universal import Universal
+from toolkit.components.loads.bushing import SpatialBushing
+from toolkit.components.loads.gravity import SpatialGravity
+from toolkit.components.loads.point_force import SpatialPointForce
+from toolkit.components.loads.pressure import Pressure
+from toolkit.components.loads.springs import SpatialSpringDamper
+from toolkit.components.loads.torque import SpatialTorque
 from toolkit.description.design import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
+from toolkit.files.results import collect
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.safe_files import OWN
-from toolkit.joints.cam import SpatialSwingCam
-from toolkit.joints.cylindrical import Cylindrical
-from toolkit.joints.distance import SpatialDistance
-from toolkit.joints.gear import SpatialGear
-from toolkit.joints.point_on_plane import PointOnPlane
-from toolkit.joints.prismatic import Prismatic
-from toolkit.joints.rack import SpatialRack
-from toolkit.joints.revolute import SpatialRevolute
-from toolkit.joints.rigid_joint import SpatialRigidJoint
-from toolkit.joints.screw import Screw
-from toolkit.joints.spherical import Spherical
-from toolkit.joints.universal import Universal
-from toolkit.kinematics.orientation import matrix_of, quaternion_of
-from toolkit.loads.bushing import SpatialBushing
-from toolkit.loads.gravity import SpatialGravity
-from toolkit.loads.point_force import SpatialPointForce
-from toolkit.loads.pressure import Pressure
-from toolkit.loads.springs import SpatialSpringDamper
-from toolkit.loads.torque import SpatialTorque
+from toolkit.foundation.kinematics.orientation import matrix_of, quaternion_of
 from toolkit.reduced_model.file import save
 from toolkit.render.packages import drawing
 from toolkit.render.pictures import render_solution
@@ -47,11 +50,8 @@ from toolkit.render.space.scene_picture import spatial_caption
 from toolkit.report.material import ReportMaterial
 from toolkit.report.write import write_report
 from toolkit.responses.stress import MaxStress, stress_field
-from toolkit.results.results import collect
 from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.direct import direct
 
 WIDTH, LENGTHS = 600, (1.0, 0.2, 0.15)
 TOP = "[pressure_surfaces.top]\nbox = [0.0, -0.1, 0.075, 1.0, 0.1, 0.075]\n"

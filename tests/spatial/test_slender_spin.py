@@ -2,7 +2,7 @@
 
 from tests.benchmarks.space import hanging
 from toolkit.analyses.transient import simulate
-from toolkit.loads.gravity import SpatialGravity
+from toolkit.components.loads.gravity import SpatialGravity
 from toolkit.system.system import compile_scene
 
 VARIABLE, CHANGE = "loads.weight.acceleration.2", 1e-3

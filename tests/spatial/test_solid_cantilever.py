@@ -19,14 +19,14 @@ from tests.models.solid_bodies import DENSITY, MODULUS, box, cantilever, moves
 from toolkit.analyses.modes import Modes, solve_modes
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.flexible import SpatialFlexible
-from toolkit.curves.oscillation import Sine
+from toolkit.components.bodies.flexible import SpatialFlexible
+from toolkit.components.curves.oscillation import Sine
+from toolkit.components.joints.driver import SpatialPositionDriver
+from toolkit.components.joints.point_on_plane import PointOnPlane
+from toolkit.components.loads.point_force import SpatialPointForce
+from toolkit.components.loads.torque import SpatialTorque
 from toolkit.description.design import BodyPoint
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.driver import SpatialPositionDriver
-from toolkit.joints.point_on_plane import PointOnPlane
-from toolkit.loads.point_force import SpatialPointForce
-from toolkit.loads.torque import SpatialTorque
 from toolkit.reduced_model.file import save
 from toolkit.reduced_model.model import ReducedModel
 from toolkit.responses.motion import Displacement, Rotation

@@ -9,15 +9,15 @@ import pytest
 
 from tests.models.starts import derivatives_agree, started
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.rigid import SpatialRigid, SpatialRod
+from toolkit.components.bodies.rigid import SpatialRigid, SpatialRod
+from toolkit.components.joints.distance import SpatialDistance
+from toolkit.components.joints.prismatic import Prismatic
+from toolkit.components.joints.revolute import SpatialRevolute
+from toolkit.components.joints.spherical import Spherical
+from toolkit.components.joints.universal import Universal
 from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
-from toolkit.joints.distance import SpatialDistance
-from toolkit.joints.prismatic import Prismatic
-from toolkit.joints.revolute import SpatialRevolute
-from toolkit.joints.spherical import Spherical
-from toolkit.joints.universal import Universal
 from toolkit.scene.scene import Scene
 from toolkit.system.system import compile_scene
 from toolkit.validity.start_cautions import cautions_of_start, moved_bodies, start_record

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from tests.models.spatial_cases import CASES, write_models
-from toolkit.conformance.comparison import inputs, random_state
-from toolkit.equations.equations import allocate_terms, allocate_work, evaluate_all
+from toolkit.api.comparison import inputs, random_state
 from toolkit.foundation.kernel import plain
 from toolkit.solvers.transient.scheme import generalized_alpha, mix, newton_matrix
+from toolkit.system.equations import allocate_terms, allocate_work, evaluate_all
 from toolkit.system.system import System, compile_scene
 
 

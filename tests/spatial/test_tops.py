@@ -11,11 +11,11 @@ import pytest
 
 from tests.spatial.scenes import at
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.rigid import SpatialRigid
+from toolkit.components.bodies.rigid import SpatialRigid
+from toolkit.components.joints.spherical import Spherical
+from toolkit.components.loads.gravity import SpatialGravity
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.spherical import Spherical
-from toolkit.kinematics.orientation import angular_velocity
-from toolkit.loads.gravity import SpatialGravity
+from toolkit.foundation.kinematics.orientation import angular_velocity
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene

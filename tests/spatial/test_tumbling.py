@@ -12,9 +12,9 @@ from tests.spatial.momenta import kinetic_energy, momenta, spin, strain_energy
 from tests.spatial.quadrature import Motion, raw_frame, total
 from tests.spatial.scenes import save_frame
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.flexible import SpatialFlexible
+from toolkit.components.bodies.flexible import SpatialFlexible
 from toolkit.description.run_options import RunOptions
-from toolkit.kinematics.orientation import matrix_of, quaternion_of
+from toolkit.foundation.kinematics.orientation import matrix_of, quaternion_of
 from toolkit.scene.scene import Scene
 from toolkit.system.system import System, compile_scene
 

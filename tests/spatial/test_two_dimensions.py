@@ -6,7 +6,7 @@ import numpy as np
 
 from tests.spatial.scenes import at
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.rigid import Rigid, SpatialRigid
+from toolkit.components.bodies.rigid import Rigid, SpatialRigid
 from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.scene.scene import Scene

@@ -7,9 +7,9 @@ import pytest
 
 from tests.models.any_scene import test_state_derivatives_are_the_complex_step_of_the_residual as judge_state_derivatives
 from tests.models.spatial_cases import CASES, write_models
-from toolkit.bodies.body import SpatialFloatingNumbers
-from toolkit.compilation import pattern
-from toolkit.conformance.comparison import design_paths, inputs, random_state
+from toolkit.api.comparison import design_paths, inputs, random_state
+from toolkit.components.bodies.body import SpatialFloatingNumbers
+from toolkit.system import pattern
 from toolkit.system.system import System, compile_scene
 
 PAIRS = [("strip", "flag"), ("ground", "arm"), ("sled", "mast")]

@@ -10,19 +10,19 @@ import numpy as np
 from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
 from tests.spatial.scenes import at, save_frame
-from toolkit.bodies.flexible import Flexible, SpatialFlexible
-from toolkit.bodies.rigid import Rigid, SpatialRigid
-from toolkit.curves.polynomial import Polynomial
+from toolkit.components.bodies.flexible import Flexible, SpatialFlexible
+from toolkit.components.bodies.rigid import Rigid, SpatialRigid
+from toolkit.components.curves.polynomial import Polynomial
+from toolkit.components.joints.driver import AngleDriver, SpatialAngleDriver
+from toolkit.components.joints.prismatic import Prismatic
+from toolkit.components.joints.revolute import Revolute, SpatialRevolute
+from toolkit.components.joints.rigid_joint import RigidJoint, SpatialRigidJoint
+from toolkit.components.joints.slider import Slider
+from toolkit.components.loads.gravity import SpatialGravity
+from toolkit.components.loads.springs import SpatialRotationalSpringDamper, SpatialSpringDamper, SpringDamper
 from toolkit.description.design import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.driver import AngleDriver, SpatialAngleDriver
-from toolkit.joints.prismatic import Prismatic
-from toolkit.joints.revolute import Revolute, SpatialRevolute
-from toolkit.joints.rigid_joint import RigidJoint, SpatialRigidJoint
-from toolkit.joints.slider import Slider
-from toolkit.kinematics.orientation import matrix_of, quaternion_of
-from toolkit.loads.gravity import SpatialGravity
-from toolkit.loads.springs import SpatialRotationalSpringDamper, SpatialSpringDamper, SpringDamper
+from toolkit.foundation.kinematics.orientation import matrix_of, quaternion_of
 from toolkit.responses.vibration import DampingRatio, Frequency
 from toolkit.scene.scene import Scene
 

@@ -16,8 +16,8 @@ from toolkit.analyses.modes import Campbell, campbell
 from toolkit.api.model import compile_model
 from toolkit.command_line.cli import app
 from toolkit.command_line.commands.campbell_command import speeds_of
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import ConvergenceError, InputError, SingularSystemError
-from toolkit.scene_file.reader import read_scene
 
 MODEL = Path(__file__).parents[2] / "models" / "spinning_beam" / "scene.toml"
 FLAP = {0: 3.5160, 1: 3.6817, 2: 4.1373, 3: 4.7973, 4: 5.5850, 5: 6.4495, 6: 7.3604, 8: 9.2568, 10: 11.2023}

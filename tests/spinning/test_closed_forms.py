@@ -9,15 +9,15 @@ from tests.spatial.scenes import save_frame
 from tests.spatial.test_frames import AREA, BEAM, ENDS, RHO, SECOND, E
 from tests.spinning.scenes import SPINNING, Z, governor, motor, planar_blade, table, table_in_space, top
 from toolkit.analyses.modes import Modes, solve_modes, undeformed
-from toolkit.bodies.flexible import SpatialFlexible
-from toolkit.bodies.rigid import Rigid
+from toolkit.analyses.sensitivity.preparation import prepare, solve
+from toolkit.components.bodies.flexible import SpatialFlexible
+from toolkit.components.bodies.rigid import Rigid
+from toolkit.components.joints.driver import AngleDriver, SpatialAngleDriver
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.loads.springs import SpringDamper
 from toolkit.description.design import Point
 from toolkit.foundation.errors import InputError
-from toolkit.joints.driver import AngleDriver, SpatialAngleDriver
-from toolkit.joints.revolute import Revolute
-from toolkit.loads.springs import SpringDamper
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.preparation import prepare, solve
 from toolkit.system.solution import Solution
 
 ROUND_OFF = 1e-11

@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from toolkit.bodies.rigid import Rigid
+from toolkit.analyses.sensitivity.compiled import Compiled
+from toolkit.analyses.sensitivity.direct import values_alone
+from toolkit.components.bodies.rigid import Rigid
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.joints.slider import Slider
+from toolkit.components.loads.springs import SpringDamper
 from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.slider import Slider
-from toolkit.loads.springs import SpringDamper
 from toolkit.responses.vibration import DampingRatio, Frequency
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.compiled import Compiled
-from toolkit.sensitivity.direct import values_alone
 
 MASS, TABLE, STIFFNESS, DAMPING, FREE_LENGTH = 2.0, 0.501, 50.0, 20.0, 1.5
 

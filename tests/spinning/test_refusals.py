@@ -5,21 +5,21 @@ from __future__ import annotations
 import pytest
 
 from tests.spinning.scenes import governor, motor, table
+from toolkit.analyses.sensitivity.methods import gradients_by
+from toolkit.analyses.sensitivity.preparation import prepare, solve
 from toolkit.api.model import compile_model
-from toolkit.curves.polynomial import Constant, Polynomial
+from toolkit.components.curves.polynomial import Constant, Polynomial
+from toolkit.components.joints.driver import AngleDriver
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.joints.slider import Slider
+from toolkit.components.loads.gravity import Gravity
+from toolkit.components.loads.springs import SpringDamper
 from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError, SingularSystemError
-from toolkit.joints.driver import AngleDriver
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.slider import Slider
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.springs import SpringDamper
 from toolkit.responses.least_frequency import LoadMargin
 from toolkit.responses.vibration import Frequency
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.methods import gradients_by
-from toolkit.sensitivity.preparation import prepare, solve
 
 
 def with_parts(scene: Scene, **groups: dict) -> Scene:

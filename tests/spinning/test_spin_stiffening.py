@@ -15,8 +15,8 @@ from tests.spatial.momenta import kinetic_energy, momenta, momentum, strain_ener
 from tests.spinning.scenes import BEAM
 from tests.spinning.test_campbell import FLAP, diagram, lowest
 from tests.spinning.test_spinning_gradients import same
+from toolkit.api.comparison import check_design_derivatives, check_state_derivatives
 from toolkit.api.model import compile_model
-from toolkit.conformance.comparison import check_design_derivatives, check_state_derivatives
 from toolkit.foundation.errors import InputError
 from toolkit.scene.scene import Scene
 from toolkit.system.system import compile_scene

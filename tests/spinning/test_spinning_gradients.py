@@ -7,15 +7,15 @@ import pytest
 
 from tests.models.directions import along, derivative_along, direction
 from tests.spinning.scenes import governor, planar_blade, table, table_in_space, top
+from toolkit.analyses.sensitivity.methods import gradients_by
+from toolkit.analyses.sensitivity.preparation import Kind, prepare, solve
+from toolkit.analyses.sensitivity.run import Run
 from toolkit.description.run_options import RunOptions
 from toolkit.responses.energy import KineticEnergy
 from toolkit.responses.joint_force import JointForce
 from toolkit.responses.point_motion import PointDistance
 from toolkit.responses.vibration import DampingRatio, Frequency
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.methods import gradients_by
-from toolkit.sensitivity.preparation import Kind, prepare, solve
-from toolkit.sensitivity.run import Run
 
 EXACT = 1e-10
 

@@ -10,8 +10,8 @@ import pytest
 import ffrf
 from tests.models.truss import force_slope, height, write_truss
 from tests.responses.test_vibration import MASS, STIFFNESS, blocks
+from toolkit.components.loads.springs import SpringDamper
 from toolkit.foundation.errors import InputError
-from toolkit.loads.springs import SpringDamper
 from toolkit.scene.scene import Scene
 from toolkit.studies.optimization.optimize import optimized
 from toolkit.studies.problem import Problem, problem_of

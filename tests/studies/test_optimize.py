@@ -21,9 +21,9 @@ import ffrf
 from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
 from tests.models.truss import STIFFNESS, force, force_slope, height, limit_load, snapped_height, write_truss
+from toolkit.analyses.sensitivity.certificate.certificate import NothingVerifiedError, certify
 from toolkit.command_line.cli import app
 from toolkit.foundation.errors import InputError
-from toolkit.sensitivity.certificate.certificate import NothingVerifiedError, certify
 from toolkit.studies.design_work import Evaluator
 from toolkit.studies.optimization.explored import Known, turned
 from toolkit.studies.optimization.methods import METHODS, Functions

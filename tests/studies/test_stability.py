@@ -14,24 +14,24 @@ from preprocessing.builders.frame_recipe import polygon_beam
 from preprocessing.elements.section import Section
 from preprocessing.reduction.basis import BasisChoice
 from tests.models.scenes import WING
+from toolkit.analyses.sensitivity.preparation import prepare
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.command_line.cli import app
-from toolkit.curves.rise import SmoothStep
+from toolkit.components.bodies.flexible import Flexible
+from toolkit.components.bodies.rigid import Rigid, Rod
+from toolkit.components.curves.rise import SmoothStep
+from toolkit.components.joints.driver import AngleDriver
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.loads.point_force import PointForce
 from toolkit.description.description import Number, Quantity
 from toolkit.description.design import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import InputError
-from toolkit.joints.driver import AngleDriver
-from toolkit.joints.revolute import Revolute
-from toolkit.loads.point_force import PointForce
 from toolkit.reduced_model.file import save
 from toolkit.responses.energy import KineticEnergy
 from toolkit.responses.motion import Displacement, Rotation
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.preparation import prepare
 from toolkit.studies.stability.cells import (
     CLASSES,
     CellClass,

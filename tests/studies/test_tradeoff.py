@@ -17,11 +17,11 @@ import pytest
 from scipy.special import ellipj, ellipk
 from typer.testing import CliRunner
 
+from toolkit.analyses.sensitivity.direct import direct
 from toolkit.command_line.cli import app
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.toml_file import parse_toml
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.direct import direct
 from toolkit.studies.store import RunFolder
 from toolkit.studies.tradeoff import setting_run
 from toolkit.studies.tradeoff.axes import SOLVER_AXES, available, read_axes

@@ -14,12 +14,12 @@ from preprocessing.elements.section import Section
 from tests.frames.test_cut_bodies import EI, STRAIGHT, cantilever, in_space
 from tests.frames.test_cut_bodies import SECTION as FRAMED
 from tests.models.beam_models import save_beam
+from toolkit.analyses.sensitivity.preparation import prepare, solve
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.command_line.cli import app
+from toolkit.files.scene_reader import read_scene
 from toolkit.responses.least_frequency import LeastFrequency
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.preparation import prepare, solve
 from toolkit.solvers.static import static_matrix
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene

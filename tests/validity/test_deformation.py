@@ -17,15 +17,15 @@ from preprocessing.reduction.basis import BasisChoice
 from tests.models.frames import SECTION, cantilever, ring
 from tests.models.rectangular_beams import linear_chain, points_of, rectangles
 from tests.models.scenes import hanging_skin
+from toolkit.analyses.sensitivity.preparation import prepare, solve
 from toolkit.command_line.cli import app
 from toolkit.command_line.run_answer import deformation_record, deformation_table
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation import processes
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.file import load, save
 from toolkit.responses.joint_force import JointForce
 from toolkit.scene.resolution import loaded
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.preparation import prepare, solve
 from toolkit.validity.bodies.chain import (
     mean_rows,
     second_order_forces,

@@ -7,18 +7,18 @@ import pytest
 
 from tests.models.scenes import MODELS, WING, hanging_skin
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.rigid import Rod
-from toolkit.curves.rise import SmoothStep
+from toolkit.components.bodies.rigid import Rod
+from toolkit.components.curves.rise import SmoothStep
+from toolkit.components.joints.driver import AngleDriver
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.loads.gravity import Gravity
+from toolkit.components.loads.springs import RotationalSpringDamper, SpringDamper
+from toolkit.components.loads.torque import Torque
 from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.driver import AngleDriver
-from toolkit.joints.revolute import Revolute
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.springs import RotationalSpringDamper, SpringDamper
-from toolkit.loads.torque import Torque
+from toolkit.files.scene_reader import read_scene
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
 from toolkit.system.system import compile_scene
 from toolkit.validity.energy_balance import energy_balance, energy_defects
 from toolkit.validity.motion import ENERGY_DEFECT_LIMIT

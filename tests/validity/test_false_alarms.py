@@ -12,9 +12,9 @@ import pytest
 
 from tests.random_scenes.reference import answers
 from tests.random_scenes.scene import named_scene
-from toolkit.sensitivity.direct import again
-from toolkit.sensitivity.preparation import prepare, solve
-from toolkit.sensitivity.run import run_of
+from toolkit.analyses.sensitivity.direct import again
+from toolkit.analyses.sensitivity.preparation import prepare, solve
+from toolkit.analyses.sensitivity.run import run_of
 
 RIGHT = {
     5017: "a derivative that three runs with other chosen steps agree on to 3 %",

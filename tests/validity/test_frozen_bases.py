@@ -12,12 +12,12 @@ import scipy
 import ffrf
 from preprocessing import build
 from tests.models.solid_bodies import rectangle, write_body
+from toolkit.analyses.sensitivity.certificate.fresh_models import Fresh, FreshGradients, doubts_of_fresh
+from toolkit.analyses.sensitivity.direct import direct
 from toolkit.reduced_model.conversion import converted_model
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.file import load, save
 from toolkit.reduced_model.frozen_basis import RICHER_PARTS, richer_model, turns
-from toolkit.sensitivity.certificate.fresh_models import Fresh, FreshGradients, doubts_of_fresh
-from toolkit.sensitivity.direct import direct
 
 MODULUS, DENSITY, FORCE = 2.0e10, 400.0, 2000.0
 ROOT, OUTER, WIDTHS = 10.0, 30.0, (1.5, 1.0)

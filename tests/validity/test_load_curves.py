@@ -12,20 +12,20 @@ import pytest
 from scipy.interpolate import CubicSpline
 from typer.testing import CliRunner
 
+from toolkit.analyses.sensitivity.direct import direct
+from toolkit.analyses.sensitivity.run import Run
 from toolkit.command_line.cli import app
-from toolkit.compilation.quantities import curves_of
-from toolkit.curves.combined import Sum
-from toolkit.curves.curve import Curve
-from toolkit.curves.oscillation import Sine
-from toolkit.curves.polynomial import Constant
-from toolkit.curves.rise import SmoothStep
-from toolkit.curves.table import Table
+from toolkit.components.curves.combined import Sum
+from toolkit.components.curves.curve import Curve
+from toolkit.components.curves.oscillation import Sine
+from toolkit.components.curves.polynomial import Constant
+from toolkit.components.curves.rise import SmoothStep
+from toolkit.components.curves.table import Table
 from toolkit.description.run_options import time_grid
+from toolkit.files.scene_reader import read_scene
 from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.direct import direct
-from toolkit.sensitivity.run import Run
+from toolkit.system.quantities import curves_of
 from toolkit.validity.curve_checks import LOST_VARIATION, loss_of
 
 MODELS = Path(__file__).parents[2] / "models"

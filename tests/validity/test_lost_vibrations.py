@@ -7,8 +7,8 @@ import pytest
 
 import ffrf
 from preprocessing import build, save
-from toolkit.sensitivity.errors import step_error
-from toolkit.sensitivity.errors.excited_vibrations import error_after, root
+from toolkit.analyses.sensitivity.errors import step_error
+from toolkit.analyses.sensitivity.errors.excited_vibrations import error_after, root
 from toolkit.solvers.transient.scheme import generalized_alpha
 
 MASS, STIFFNESS, PULL = 0.01, 1000.0, 9.81 * 0.01

@@ -5,18 +5,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from toolkit.analyses.sensitivity.direct import direct
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.rigid import Rigid, SpatialRigid
+from toolkit.components.bodies.rigid import Rigid, SpatialRigid
+from toolkit.components.joints.distance import Distance, SpatialDistance
 from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError
-from toolkit.joints.distance import Distance, SpatialDistance
 from toolkit.responses.extremes import TimeMax, TimeMin
 from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement
 from toolkit.responses.over_time import TimeMean
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.direct import direct
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
 from toolkit.validity.energy_balance import energy_balance

@@ -9,12 +9,12 @@ import pytest
 
 from tests.solvers.test_snap_through import LIMIT, TURN, truss
 from toolkit.analyses.transient import simulate
-from toolkit.bodies.rigid import Rigid
-from toolkit.curves.rise import SmoothStep
+from toolkit.components.bodies.rigid import Rigid
+from toolkit.components.curves.rise import SmoothStep
 from toolkit.description.run_options import RunOptions
-from toolkit.kinematics.orientation import matrix_of, quaternion_of, quaternion_rate
+from toolkit.files.scene_reader import read_scene
+from toolkit.foundation.kinematics.orientation import matrix_of, quaternion_of, quaternion_rate
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
 from toolkit.validity.snap_through import snap_through, stiffness_of_turns

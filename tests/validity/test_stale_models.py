@@ -12,9 +12,9 @@ import pytest
 
 from preprocessing.builders.build_model import build, read_recipe
 from tests.models.solid_bodies import rectangle, write_body
+from toolkit.files.scene_reader import read_scene
 from toolkit.reduced_model.file import load, save
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
 from toolkit.validity.scene_cautions import stale_models
 
 pytestmark = pytest.mark.usefixtures("read_here")

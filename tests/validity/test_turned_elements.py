@@ -9,14 +9,14 @@ import pytest
 
 from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
-from toolkit.bodies.flexible import Flexible
+from toolkit.analyses.sensitivity.compiled import Compiled
+from toolkit.analyses.sensitivity.direct import values_alone
+from toolkit.components.bodies.flexible import Flexible
+from toolkit.components.loads.torque import Torque
 from toolkit.description.design import BodyPoint
 from toolkit.description.run_options import RunOptions
-from toolkit.loads.torque import Torque
 from toolkit.responses.motion import Displacement
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.compiled import Compiled
-from toolkit.sensitivity.direct import values_alone
 
 SECTION = Section(youngs_modulus=2e9, density=1200.0, thickness=0.02, width=0.03)
 STIFFNESS = 2e9 * 0.03 * 0.02**3 / 12

@@ -10,15 +10,15 @@ import pytest
 
 from preprocessing.commands.cli import main
 from tests.preprocessing.test_frame_models import BENT
-from toolkit.bodies.rigid import Rigid, Rod, SpatialRigid, SpatialRod
+from toolkit.components.bodies.rigid import Rigid, Rod, SpatialRigid, SpatialRod
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.joints.spherical import Spherical
+from toolkit.components.loads.gravity import Gravity, SpatialGravity
 from toolkit.description.design import Point
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.verdict import Verdict
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.spherical import Spherical
-from toolkit.loads.gravity import Gravity, SpatialGravity
 from toolkit.reduced_model.questions import material_questions
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
 from toolkit.validity.scene_cautions import cautions_of_scene
 
 MODELS = Path(__file__).parents[2] / "models"

@@ -17,20 +17,20 @@ import ffrf
 from tests.random_scenes.scene import named_scene
 from tests.random_scenes.strained import strained_scene
 from toolkit.analyses.modes import solve_modes
+from toolkit.analyses.sensitivity.adjoint import adjoint
+from toolkit.analyses.sensitivity.certificate.certificate import Certificate, DisagreementError, NothingVerifiedError, certify
+from toolkit.analyses.sensitivity.direct import direct, numerical
+from toolkit.analyses.sensitivity.errors.step_error import step_error
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.command_line.cli import app
 from toolkit.description.run_options import RunOptions
+from toolkit.files.results_file import load_results, save_results
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.responses.motion import Displacement
 from toolkit.responses.response import Partials
-from toolkit.results.results_file import load_results, save_results
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.adjoint import adjoint
-from toolkit.sensitivity.certificate.certificate import Certificate, DisagreementError, NothingVerifiedError, certify
-from toolkit.sensitivity.direct import direct, numerical
-from toolkit.sensitivity.errors.step_error import step_error
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
 

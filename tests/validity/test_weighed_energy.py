@@ -5,22 +5,22 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.curves.rise import SmoothStep
+from toolkit.analyses.sensitivity.compiled import Compiled
+from toolkit.analyses.sensitivity.direct import values_alone
+from toolkit.analyses.sensitivity.run import Run
+from toolkit.components.bodies.rigid import Rigid, Rod
+from toolkit.components.curves.rise import SmoothStep
+from toolkit.components.joints.driver import AngleDriver
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.joints.slider import Slider
+from toolkit.components.loads.friction import PlanarSlidingFriction
+from toolkit.components.loads.gravity import Gravity
+from toolkit.components.loads.springs import SpringDamper
 from toolkit.description.design import Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.driver import AngleDriver
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.slider import Slider
-from toolkit.loads.friction import PlanarSlidingFriction
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.springs import SpringDamper
 from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.compiled import Compiled
-from toolkit.sensitivity.direct import values_alone
-from toolkit.sensitivity.run import Run
 from toolkit.validity.energy_balance import energy_defects
 
 SLOPE, WIDTH, LEVEL = np.deg2rad(20.0), 1e-3, 5.53091

@@ -41,7 +41,7 @@ class Panels(NamedTuple):
     """Whether the node lies where the panel ends, shape (nodes, panels)."""
 
 
-class Integral(NamedTuple):
+class PanelIntegral(NamedTuple):
     """An integral over every panel as every node meets it, with its derivatives by X, Y and L, each of shape (nodes, panels)."""
 
     value: np.ndarray
@@ -69,7 +69,7 @@ def panels_between(nodes: np.ndarray, first: np.ndarray, second: np.ndarray) -> 
     return Panels(tangents, normals, lengths, along, beside, starts, ends)
 
 
-def vortex_integrals(panels: Panels) -> tuple[Integral, Integral]:
+def vortex_integrals(panels: Panels) -> tuple[PanelIntegral, PanelIntegral]:
     """Weights of the strengths at the start and at the end of every panel in 2 pi times the stream function at every node."""
     x, y, length = panels.along, panels.beside, panels.lengths
     rest = x - length
@@ -77,29 +77,29 @@ def vortex_integrals(panels: Panels) -> tuple[Integral, Integral]:
     whole = x * first - rest * second - length + y * subtended
     moment = ((x * x + y * y) * (2 * first - 1) - (rest * rest + y * y) * (2 * second - 1)) / 4
     end = (x * whole - moment) / length
-    everything = Integral(whole, first - second, subtended, second)
-    at_end = Integral(end, whole / length - second, (x * subtended - y * (first - second)) / length, second - end / length)
+    everything = PanelIntegral(whole, first - second, subtended, second)
+    at_end = PanelIntegral(end, whole / length - second, (x * subtended - y * (first - second)) / length, second - end / length)
     log = np.log(length)
     everything = _with_own_nodes(panels, everything, (length * (log - 1), log), (length * (log - 1), log))
     at_end = _with_own_nodes(
         panels, at_end, (length * (log / 2 - 0.25), log / 2 + 0.25), (length * (log / 2 - 0.75), log / 2 - 0.25)
     )
-    return Integral(*(both - one for both, one in zip(everything, at_end, strict=True))), at_end
+    return PanelIntegral(*(both - one for both, one in zip(everything, at_end, strict=True))), at_end
 
 
-def source_integral(panels: Panels) -> Integral:
+def source_integral(panels: Panels) -> PanelIntegral:
     """Stream function of a source of strength one along every panel at every node, times 2 pi; it jumps to the right of the panel."""
     x, y, length = panels.along, panels.beside, panels.lengths
     own = panels.starts | panels.ends
     log_first, log_second, _ = _logs(panels)
     first, second = (_angle(np.where(own, 0, each), np.where(own, 1, y)) for each in (x, x - length))
     value = -x * first + y * log_first + (x - length) * second - y * log_second
-    found = Integral(value, second - first, log_first - log_second, -second)
+    found = PanelIntegral(value, second - first, log_first - log_second, -second)
     quarter = np.pi / 2
     return _with_own_nodes(panels, found, (quarter * length, quarter), (-quarter * length, -quarter))
 
 
-def by_nodes(panels: Panels, first: np.ndarray, second: np.ndarray, sums: Integral) -> np.ndarray:
+def by_nodes(panels: Panels, first: np.ndarray, second: np.ndarray, sums: PanelIntegral) -> np.ndarray:
     """Derivatives of sums over panels at every node by the places of all nodes.
 
     Parameters
@@ -132,14 +132,16 @@ def _logs(panels: Panels) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return first, second, _angle(np.where(own, 0, y * panels.lengths), np.where(own, 1, x * rest + y * y))
 
 
-def _with_own_nodes(panels: Panels, found: Integral, at_start: tuple[Rate, Rate], at_end: tuple[Rate, Rate]) -> Integral:
+def _with_own_nodes(
+    panels: Panels, found: PanelIntegral, at_start: tuple[Rate, Rate], at_end: tuple[Rate, Rate]
+) -> PanelIntegral:
     """The integral with its value and its derivative by the length at both nodes of each panel, where only the length matters."""
     value, along, beside, length = (np.array(each) for each in found)
     for own, (of_value, of_length) in ((panels.starts, at_start), (panels.ends, at_end)):
         value[own] = np.broadcast_to(of_value, own.shape)[own]
         length[own] = np.broadcast_to(of_length, own.shape)[own]
         along[own] = beside[own] = 0
-    return Integral(value, along, beside, length)
+    return PanelIntegral(value, along, beside, length)
 
 
 def _angle(sine: np.ndarray, cosine: np.ndarray) -> np.ndarray:

@@ -19,7 +19,7 @@ import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
 from toolkit.air.contour import chord_and_quarter, nose_of, refuse
-from toolkit.air.influence import Integral, Panels, by_nodes, panels_between, source_integral, vortex_integrals
+from toolkit.air.influence import PanelIntegral, Panels, by_nodes, panels_between, source_integral, vortex_integrals
 
 SHARP_TAIL_GAP = 1e-4
 """Gap between both sides at the tail, in chords, up to which it is closed by no panel of its own (as in XFOIL)."""
@@ -107,7 +107,7 @@ class PanelFlow:
         """Derivatives of the equations of the flow by the points of the contour at held strengths, shape (n + 1, n, 2)."""
         start, end = self._vortices
         here, there = self.strengths[self._first], self.strengths[self._second]
-        sums = Integral(*(one * here + other * there for one, other in zip(start, end, strict=True)))
+        sums = PanelIntegral(*(one * here + other * there for one, other in zip(start, end, strict=True)))
         count = len(self.contour)
         found = np.zeros((count + 1, count, 2), dtype=self._matrix.dtype)
         found[:-1] = by_nodes(self._panels, self._first, self._second, sums) / (2 * np.pi)
@@ -184,7 +184,7 @@ class PanelFlow:
         return panels_between(self.contour, *self._tail_ends)
 
     @cached_property
-    def _vortices(self) -> tuple[Integral, Integral]:
+    def _vortices(self) -> tuple[PanelIntegral, PanelIntegral]:
         return vortex_integrals(self._panels)
 
     def _tail_sums(self) -> np.ndarray:
@@ -198,7 +198,7 @@ class PanelFlow:
         vortex, source = tail_weights(self.contour) * jump
         start, end = vortex_integrals(self._tail)
         parts = zip(start, end, source_integral(self._tail), strict=True)
-        sums = Integral(*((one + other) * vortex + third * source for one, other, third in parts))
+        sums = PanelIntegral(*((one + other) * vortex + third * source for one, other, third in parts))
         moved = self.contour.real + 1j * STEP * np.eye(2 * len(self.contour)).reshape(-1, *self.contour.shape)
         weights = np.imag(tail_weights(moved)) / STEP * jump
         of_weights = (self._tail_sums() @ weights.T).reshape(len(self.contour), *self.contour.shape)

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from toolkit.conformance.check import check_curve, check_joint, check_load, check_response, check_scene
-from toolkit.curves.catalogue import Curve
+from toolkit.api.check import check_curve, check_joint, check_load, check_response, check_scene
+from toolkit.components.curves.catalogue import Curve
+from toolkit.components.joints.joint import PlanarJoint, SpatialJoint
+from toolkit.components.joints.rows import Row
+from toolkit.components.loads.kernels.along import act_along, add_parameter, add_state, rate_along, scale_force
+from toolkit.components.loads.kernels.measured import distance, plane_angle, plane_offset, space_angle, space_offset
+from toolkit.components.loads.load import AlongAxisLoad, BetweenBodies, BetweenPoints, PlanarLoad, SpatialLoad
+from toolkit.components.markers.component import AboutAxis
 from toolkit.description.description import NotNegative, Number, Positive, Quantity
 from toolkit.foundation.kernel import inner, kernel
-from toolkit.joints.joint import PlanarJoint, SpatialJoint
-from toolkit.joints.rows import Row
-from toolkit.loads.kernels.along import act_along, add_parameter, add_state, rate_along, scale_force
-from toolkit.loads.kernels.measured import distance, plane_angle, plane_offset, space_angle, space_offset
-from toolkit.loads.load import AlongAxisLoad, BetweenBodies, BetweenPoints, PlanarLoad, SpatialLoad
-from toolkit.markers.component import AboutAxis
 from toolkit.responses.marker_formula import MarkerFormula, MarkerVector, Motion
 from toolkit.responses.response import Instant, Partials, Response
 

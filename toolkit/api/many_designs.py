@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from toolkit.analyses.sensitivity.preparation import Progress
 from toolkit.foundation.errors import InputError
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.preparation import Progress
 from toolkit.studies.executor import Executor
 from toolkit.studies.find_uncertainty import find_uncertainty
 from toolkit.studies.optimization.optimize import optimized

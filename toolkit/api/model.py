@@ -10,16 +10,16 @@ import numpy as np
 from toolkit.analyses.modes import Campbell, Modes, solve_modes
 from toolkit.analyses.modes import campbell as campbell_of
 from toolkit.analyses.modes import undeformed as at_rest
+from toolkit.analyses.sensitivity.compiled import Compiled
+from toolkit.analyses.sensitivity.errors.basis_errors import cautions_of_frozen, frequency_errors
+from toolkit.analyses.sensitivity.preparation import Kind, Progress, check_kind, check_names, solve
+from toolkit.analyses.sensitivity.run import Run
 from toolkit.api.outcome import Outcome, analysed, check_method, outcomes
+from toolkit.components.loads.gravity import UniformGravity
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.verdict import Caution, Verdict
-from toolkit.loads.gravity import UniformGravity
 from toolkit.responses.flutter import UNSTABLE
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.compiled import Compiled
-from toolkit.sensitivity.errors.basis_errors import cautions_of_frozen, frequency_errors
-from toolkit.sensitivity.preparation import Kind, Progress, check_kind, check_names, solve
-from toolkit.sensitivity.run import Run
 from toolkit.studies.executor import Executor
 from toolkit.system.evaluation import refuse_changed
 from toolkit.system.solution import Solution

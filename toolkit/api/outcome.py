@@ -8,6 +8,12 @@ from functools import partial
 from typing import NamedTuple, NoReturn
 
 from toolkit.analyses.run_start import known_start
+from toolkit.analyses.sensitivity.compiled import Compiled
+from toolkit.analyses.sensitivity.direct import again, by_direct, enriched, evaluated, values_alone, with_values
+from toolkit.analyses.sensitivity.method_names import METHODS
+from toolkit.analyses.sensitivity.methods import by_method, more_frames
+from toolkit.analyses.sensitivity.preparation import ANALYSES, Kind, Progress, price, solve
+from toolkit.analyses.sensitivity.run import Run
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.foundation.compiled.compile_watch import watched_compilation
@@ -15,12 +21,6 @@ from toolkit.foundation.errors import InputError, ToolkitError
 from toolkit.foundation.processes import one_thread
 from toolkit.foundation.verdict import Verdict
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.compiled import Compiled
-from toolkit.sensitivity.direct import again, by_direct, enriched, evaluated, values_alone, with_values
-from toolkit.sensitivity.method_names import METHODS
-from toolkit.sensitivity.methods import by_method, more_frames
-from toolkit.sensitivity.preparation import ANALYSES, Kind, Progress, price, solve
-from toolkit.sensitivity.run import Run
 from toolkit.solvers.start.initial_conditions import continued_start
 from toolkit.solvers.start.kept_start import refuse_other_run
 from toolkit.studies.carried_verdicts import CarriedVerdicts, DesignAnswers, Measured, answers, apart, measured, written_numbers

@@ -5,7 +5,7 @@ The names are those of the classes of all kinds that a scene file can name, with
 
 from __future__ import annotations
 
-from toolkit.curves.catalogue import Curve
+from toolkit.components.curves.catalogue import Curve
 from toolkit.description.design import BodyPoint, Point
 from toolkit.responses.catalogue import Response
 from toolkit.scene.kinds import kinds_of

@@ -11,9 +11,9 @@ import numpy as np
 
 from toolkit.api.model import Model
 from toolkit.bridges.vector_function import VectorFunction, package
+from toolkit.files.gradient_units import variable_unit
 from toolkit.foundation.errors import InputError, ToolkitError
 from toolkit.foundation.units import LABELLED, UNIT_SYSTEMS, unit
-from toolkit.scene_file.gradient_units import variable_unit
 
 if TYPE_CHECKING:
     from openmdao.api import ExplicitComponent

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from toolkit.analyses.sensitivity.run import Run
 from toolkit.api.model import Model
 from toolkit.bridges.vector_function import DesignNumbers, VectorFunction
-from toolkit.sensitivity.run import Run
 
 
 class ScipyFunction:

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from toolkit.analyses.sensitivity.preparation import responses_of
+from toolkit.analyses.sensitivity.run import Run
 from toolkit.api.model import Model, compile_model, kind_of
 from toolkit.foundation.errors import InputError, ToolkitError, listed, meant
-from toolkit.sensitivity.preparation import responses_of
-from toolkit.sensitivity.run import Run
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike

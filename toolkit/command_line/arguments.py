@@ -54,7 +54,7 @@ Dask = Annotated[
 
 def read(path: Path, changes: list[str] | None, quiet: bool = False) -> Scene:
     """Scene with its changed values; a note lists what it takes from outside of its folder."""
-    from toolkit.scene_file.reader import read_scene
+    from toolkit.files.scene_reader import read_scene
 
     pairs = dict(split(change) for change in changes or [])
     scene = read_scene(path, pairs)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from toolkit.analyses.sensitivity.method_names import GradientMethod
 from toolkit.command_line.announcements import Kind, at_work
 from toolkit.command_line.arguments import Changes, KeepAll, SceneFile, Static, Variables, design_of, read
 from toolkit.command_line.commands.campbell_command import campbell
@@ -44,7 +45,6 @@ from toolkit.command_line.run_answer import RunAnswer
 from toolkit.foundation.processes import SINGLE
 from toolkit.foundation.rare_collections import last_work
 from toolkit.foundation.terminal import AsJson, Quiet, Version, errors_in_words, usage_in_json
-from toolkit.sensitivity.method_names import GradientMethod
 
 if TYPE_CHECKING:
     from toolkit.api.model import Model
@@ -117,9 +117,9 @@ def _compiled(scene: Scene, keep_all: bool) -> Model:
 
     if not keep_all:
         return compile_model(scene)
-    from toolkit.cost_summary.cost_terms import prepare_everything
-    from toolkit.sensitivity.chosen_frames import with_chosen_frames
-    from toolkit.sensitivity.compiled import Compiled
+    from toolkit.analyses.sensitivity.chosen_frames import with_chosen_frames
+    from toolkit.analyses.sensitivity.compiled import Compiled
+    from toolkit.report.cost_terms import prepare_everything
 
     return Model(Compiled.of(prepare_everything(with_chosen_frames(scene, "transient"))))
 

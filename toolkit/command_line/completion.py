@@ -32,8 +32,8 @@ def changes(ctx: typer.Context, incomplete: str) -> list[str]:
 
 def _scene(ctx: typer.Context) -> Scene | None:
     """Scene named in the line being typed; None if there is none, or it cannot be read."""
+    from toolkit.files.scene_reader import read_scene
     from toolkit.foundation.errors import ToolkitError
-    from toolkit.scene_file.reader import read_scene
 
     given = [ctx.params.get(name) for name in ("scene", "file")]
     path = next((Path(each) for each in (*given, *_typed()) if each and Path(each).suffix == ".toml"), None)

@@ -14,8 +14,8 @@ from toolkit.command_line.arguments import read, split
 from toolkit.foundation.errors import InputError
 
 if TYPE_CHECKING:
+    from toolkit.analyses.sensitivity.run import Run
     from toolkit.scene.scene import Scene
-    from toolkit.sensitivity.run import Run
     from toolkit.system.solution import Solution
 
 Output = Annotated[
@@ -34,7 +34,7 @@ Models = Annotated[
 def check_output(path: Path | None, scene: Scene) -> None:
     """Refuse a path for results that is unsuitable, or that the scene begins from, before anything long begins."""
     if path is not None:
-        from toolkit.results.results_file import refuse_foreign, refuse_own_start
+        from toolkit.files.results_file import refuse_foreign, refuse_own_start
 
         refuse_foreign(path)
         refuse_own_start(path, scene.start_file)
@@ -44,7 +44,7 @@ def keep(found: Run, path: Path | None, text: str, changes: list[str] | None, qu
     """Write the results file, if one was asked for, and report where it is."""
     if path is None:
         return
-    from toolkit.results.results_file import save_results
+    from toolkit.files.results_file import save_results
 
     save_results(found, path, text, dict(split(change) for change in changes or []))
     if not quiet:
@@ -95,7 +95,7 @@ def motion_of(
     if static and is_results(file):
         raise InputError(f"{str(file)!r} holds the results of a finished run: leave --static out, or give the scene.")
     if is_results(file):
-        from toolkit.sensitivity.run import load
+        from toolkit.analyses.sensitivity.run import load
 
         solution = load(file, models).solution
         check(solution.system.scene)
@@ -131,9 +131,9 @@ def free_motions_of(file: Path, changes: list[str] | None, times: list[float] | 
         )
 
     def found() -> Solution:
+        from toolkit.analyses.sensitivity.chosen_frames import automatic, with_frames
+        from toolkit.analyses.sensitivity.preparation import prepare
         from toolkit.analyses.statics import free_motion_states
-        from toolkit.sensitivity.chosen_frames import automatic, with_frames
-        from toolkit.sensitivity.preparation import prepare
 
         scene = read(file, changes, True)
         whole = dict.fromkeys(automatic(scene), 1)  # nothing deforms: one frame shows it

@@ -10,26 +10,26 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.bodies.rigid import Rod, SpatialRod
+from toolkit.analyses.sensitivity.adjoint import adjoint_gradients, has_adjoint
+from toolkit.analyses.sensitivity.errors.excited_vibrations import lost_parts
+from toolkit.analyses.sensitivity.preparation import Kind, evaluate_responses, prepare, solve
+from toolkit.components.bodies.rigid import Rod, SpatialRod
+from toolkit.components.joints.kernels.laws import SIGNATURE as LAW_SIGNATURE
+from toolkit.components.joints.kernels.laws import teeth_law, turn_law
+from toolkit.components.joints.revolute import Revolute, SpatialRevolute
+from toolkit.components.loads.gravity import Gravity, SpatialGravity
+from toolkit.components.loads.kernels.load_kernel import SIGNATURE as LOAD_SIGNATURE
+from toolkit.components.loads.load import Load
+from toolkit.components.loads.springs import SpatialRotationalSpringDamper
 from toolkit.description.description import Registered
 from toolkit.description.design import Point
 from toolkit.description.run_options import Formulation, RunOptions
 from toolkit.foundation.kernel import first_class
-from toolkit.joints.kernels.laws import SIGNATURE as LAW_SIGNATURE
-from toolkit.joints.kernels.laws import teeth_law, turn_law
-from toolkit.joints.revolute import Revolute, SpatialRevolute
-from toolkit.loads.gravity import Gravity, SpatialGravity
-from toolkit.loads.kernels.load_kernel import SIGNATURE as LOAD_SIGNATURE
-from toolkit.loads.load import Load
-from toolkit.loads.springs import SpatialRotationalSpringDamper
 from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement
 from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
 from toolkit.scene.space import PLANE, SPACE, Space
-from toolkit.sensitivity.adjoint import adjoint_gradients, has_adjoint
-from toolkit.sensitivity.errors.excited_vibrations import lost_parts
-from toolkit.sensitivity.preparation import Kind, evaluate_responses, prepare, solve
 from toolkit.system.evaluation import formulas_of
 from toolkit.validity.energy_balance import energy_balance
 from toolkit.validity.judge import judge

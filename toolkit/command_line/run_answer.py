@@ -11,7 +11,7 @@ from toolkit.foundation.units import unit
 from toolkit.report.answer import Answer, AnswerTable, Record
 
 if TYPE_CHECKING:
-    from toolkit.sensitivity.run import Run
+    from toolkit.analyses.sensitivity.run import Run
     from toolkit.system.solution import Solution
     from toolkit.validity.bodies.bent_surfaces import Measured
 
@@ -32,7 +32,7 @@ class RunAnswer(Answer):
 
     def record(self) -> Record:
         """JSON object."""
-        from toolkit.scene_file.gradient_units import gradient_units
+        from toolkit.files.gradient_units import gradient_units
         from toolkit.validity.start_cautions import start_record
 
         result, solution, bodies = self.result, self.result.solution, self.deformations
@@ -55,7 +55,7 @@ class RunAnswer(Answer):
 
     def tables(self) -> Iterator[AnswerTable | str]:
         """Values, gradients and deformations, then how exact the run was, how it was solved, and what it cost."""
-        from toolkit.results.tables import table_of_gradients, table_of_values
+        from toolkit.files.tables import table_of_gradients, table_of_values
 
         for short in filter(None, (table_of_values(self.result), table_of_gradients(self.result))):
             yield AnswerTable(short.columns, short.rows)

@@ -121,7 +121,7 @@ def import_room(name: str) -> None:
     Parameters
     ----------
     name
-        The room's dotted name, such as "toolkit.joints".
+        The room's dotted name, such as "toolkit.components.joints".
     """
     for found in iter_modules(import_module(name).__path__, f"{name}."):
         if not found.ispkg:

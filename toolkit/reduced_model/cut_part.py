@@ -34,8 +34,8 @@ import numpy as np
 import scipy
 
 from toolkit.foundation.errors import InputError
-from toolkit.kinematics.beam_elements import BeamElements, at_place
-from toolkit.kinematics.orientation import axes_along
+from toolkit.foundation.kinematics.beam_elements import BeamElements, at_place
+from toolkit.foundation.kinematics.orientation import axes_along
 from toolkit.reduced_model.cut_chain import ChainPlace, PartShapes, nodes_of_part
 from toolkit.reduced_model.dependence import is_sparse, sparing
 from toolkit.reduced_model.model import Chord, InterfacePoint, Invariants, Mesh, ReducedModel, StressPoints

@@ -9,13 +9,13 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from toolkit.bodies.model_body import ModelBody
+from toolkit.components.bodies.model_body import ModelBody
+from toolkit.components.joints.joint import AtPoint, AtPoints, Joint, JointBetweenPoints
+from toolkit.components.joints.rigid_joint import Tie
+from toolkit.components.loads.torque import SpatialTorque
+from toolkit.components.markers.component import Component
 from toolkit.foundation.near_ties import first_largest
 from toolkit.foundation.units import unit
-from toolkit.joints.joint import AtPoint, AtPoints, Joint, JointBetweenPoints
-from toolkit.joints.rigid_joint import Tie
-from toolkit.loads.torque import SpatialTorque
-from toolkit.markers.component import Component
 from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.solution import Solution
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.bodies.model_body import ModelBody
+from toolkit.components.bodies.model_body import ModelBody
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import unit
 from toolkit.responses.stress import point_stress, stress_components

@@ -52,7 +52,7 @@ class AnswerTable:
 
     def save(self, folder: Path) -> Path:
         """Write the table as CSV with all digits."""
-        from toolkit.results.tables import write_csv
+        from toolkit.files.tables import write_csv
 
         return write_csv(folder / f"{self.name}.csv", self.head, self.rows)
 

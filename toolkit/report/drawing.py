@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from toolkit.analyses.modes import Campbell
+from toolkit.analyses.sensitivity.certificate.certificate import Certificate, digits
 from toolkit.render.sheet import COLORS, sheet, style, write_figure
-from toolkit.sensitivity.certificate.certificate import Certificate, digits
 
 _DOTS = 180
 """Per inch."""

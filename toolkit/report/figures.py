@@ -11,11 +11,12 @@ from matplotlib.axes import Axes
 from matplotlib.colors import Normalize, to_hex
 from matplotlib.lines import Line2D
 
+from toolkit.components.joints.joint import Joint
+from toolkit.components.loads.torque import Torque
 from toolkit.description.description import InSpace
 from toolkit.description.design import BodyPoint
+from toolkit.files.gradient_units import per, variable_unit
 from toolkit.foundation.units import unit
-from toolkit.joints.joint import Joint
-from toolkit.loads.torque import Torque
 from toolkit.render.plane.configuration import drawn_model, fibre_values, skin_shape
 from toolkit.render.plane.look import open_windows, panel_height, window
 from toolkit.render.plane.parts import draw_band, draw_line, draw_mechanism, draw_outlines, draw_sections, draw_symbols
@@ -26,7 +27,6 @@ from toolkit.render.sheet import told as told_apart
 from toolkit.report.drawing import Drawing, certificate_drawing
 from toolkit.report.material import ReportMaterial
 from toolkit.scene.space import PLANE, SPACE, Space
-from toolkit.scene_file.gradient_units import per, variable_unit
 from toolkit.system.solution import flexible_body
 
 _FAR = 5.0

@@ -9,19 +9,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.equations.equations import allocate_work
+from toolkit.analyses.sensitivity.certificate.certificate import Certificate, compare
+from toolkit.analyses.sensitivity.direct import numerical
+from toolkit.analyses.sensitivity.preparation import Kind
+from toolkit.analyses.sensitivity.run import Run
+from toolkit.files.results import Results
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.near_ties import spread
 from toolkit.render.animation import MOST_FRAMES
 from toolkit.render.pictures import chosen_steps
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.look import Look, choose_look, drawn_points
-from toolkit.results.results import Results
 from toolkit.scene.resolution import ResolvedScene
-from toolkit.sensitivity.certificate.certificate import Certificate, compare
-from toolkit.sensitivity.direct import numerical
-from toolkit.sensitivity.preparation import Kind
-from toolkit.sensitivity.run import Run
+from toolkit.system.equations import allocate_work
 from toolkit.system.solution import Solution
 from toolkit.validity.energy_balance import EnergyBalance, energy_balance, largest_drift
 

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from toolkit.description.design import label
+from toolkit.files.gradient_units import per, variable_unit
 from toolkit.foundation.units import unit
 from toolkit.report.answer import AnswerTable
 from toolkit.report.material import ReportMaterial
 from toolkit.responses.stress import KSStress, gap_bound, kreisselmeier_steinhauser
-from toolkit.scene_file.gradient_units import per, variable_unit
 
 AGGREGATIONS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 """Parameters of the table, beside the scene's own."""

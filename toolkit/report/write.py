@@ -9,9 +9,10 @@ from functools import cached_property
 from itertools import chain
 from pathlib import Path
 
+from toolkit.components.joints.rigid_joint import Tie
+from toolkit.files.results_file import save_results
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.safe_files import list_own, refuse_foreign, write_whole
-from toolkit.joints.rigid_joint import Tie
 from toolkit.render.pictures import file_names
 from toolkit.report import page
 from toolkit.report.answer import Answer, AnswerTable, Record, write
@@ -21,7 +22,6 @@ from toolkit.report.material import Progress, ReportMaterial
 from toolkit.report.page import PageSection
 from toolkit.report.sections import motion_sections
 from toolkit.report.tables import all_tables
-from toolkit.results.results_file import save_results
 
 PAGE, KEPT = "report.html", "results.h5"
 NAMES = (PAGE, KEPT, "numbers.json", "figures", "tables")

@@ -8,20 +8,20 @@ from typing import TYPE_CHECKING, Literal, Self
 import numpy as np
 from pydantic import field_validator, model_validator
 
-from toolkit.bodies.body import CENTRE
-from toolkit.compilation.dependence import items_of
-from toolkit.compilation.numbering import grips_of
-from toolkit.compilation.quantities import STEP, named_loads
+from toolkit.components.bodies.body import CENTRE
+from toolkit.components.loads.gravity import UniformGravity
+from toolkit.components.loads.load import Load
 from toolkit.description.description import Description
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import LABELLED, Dimension, unit
-from toolkit.loads.gravity import UniformGravity
-from toolkit.loads.load import Load
 from toolkit.responses.marker_formula import MarkerMotion, Motion, one_of, place_of, refuse_component
 from toolkit.responses.over_time import Integral
 from toolkit.responses.point_motion import OfRates
 from toolkit.responses.response import Instant, Partials
 from toolkit.scene.resolution import ResolvedScene
+from toolkit.system.dependence import items_of
+from toolkit.system.numbering import grips_of
+from toolkit.system.quantities import STEP, named_loads
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 

@@ -8,13 +8,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.bodies.kernels.constant_kernel import ConstantTerms
-from toolkit.equations.equations import Inputs
+from toolkit.components.bodies.kernels.constant_kernel import ConstantTerms
 from toolkit.foundation.near_ties import spread
 from toolkit.foundation.value_types import Scalar
 from toolkit.linear.linear_solver import strain_rows
 from toolkit.responses.over_time import OverTime
 from toolkit.responses.response import Instant, Partials, Response, slope_at
+from toolkit.system.equations import Inputs
 from toolkit.system.solution import Solution, deforming
 
 

@@ -15,21 +15,21 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from toolkit.equations.equations import ScratchMemory, allocate_work
+from toolkit.components.joints.kernels.planar_joint import change_number, evaluate_planar_joint
+from toolkit.components.joints.kernels.records import CURVED, DESIGN
+from toolkit.components.joints.kernels.spatial_joint import NUMBERS, change_spatial_number, evaluate_spatial_joint
+from toolkit.components.markers.planar import MarkerState
 from toolkit.foundation.compiled.calls import in_memory
 from toolkit.foundation.errors import InputError
-from toolkit.joints.kernels.planar_joint import change_number, evaluate_planar_joint
-from toolkit.joints.kernels.records import CURVED, DESIGN
-from toolkit.joints.kernels.spatial_joint import NUMBERS, change_spatial_number, evaluate_spatial_joint
-from toolkit.markers.planar import MarkerState
 from toolkit.responses.least_squares_forces import least_squares_forces, lengths_of_joints
 from toolkit.responses.response import Instant, Partials, magnitude
 from toolkit.scene.space import PLANE, SPACE, Space
+from toolkit.system.equations import ScratchMemory, allocate_work
 from toolkit.system.solution import MarkerStates, Solution
 from toolkit.system.system import System
 
 if TYPE_CHECKING:
-    from toolkit.joints.kernels.records import JointWork
+    from toolkit.components.joints.kernels.records import JointWork
     from toolkit.scene.resolution import ResolvedScene
 
 _NEXT, _LAST = [1, 2, 0], [2, 0, 1]

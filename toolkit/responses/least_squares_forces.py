@@ -23,12 +23,12 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from toolkit.compilation.redundant_rows import null_vectors
-from toolkit.equations.equations import allocate_work
-from toolkit.joints.kernels.planar_joint import evaluate_planar_joint
-from toolkit.joints.kernels.spatial_joint import evaluate_spatial_joint
+from toolkit.components.joints.kernels.planar_joint import evaluate_planar_joint
+from toolkit.components.joints.kernels.spatial_joint import evaluate_spatial_joint
 from toolkit.scene.space import PLANE, SPACE
+from toolkit.system.equations import allocate_work
 from toolkit.system.redundant_joints import joint_terms
+from toolkit.system.redundant_rows import null_vectors
 from toolkit.system.solution import MarkerStates, Solution, marker_states
 from toolkit.system.system import System
 

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 
+from toolkit.components.joints.kernels.laws import angle_of
 from toolkit.description.description import Quantity, Triple
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.kernel import plain
-from toolkit.joints.kernels.laws import angle_of
-from toolkit.kinematics.orientation import axes_along
+from toolkit.foundation.kinematics.orientation import axes_along
 from toolkit.responses.response import OnePoint, Partials, magnitude, refuse_axis
 from toolkit.system.solution import MarkerStates, Solution
 

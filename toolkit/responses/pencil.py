@@ -12,12 +12,12 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from toolkit.equations.equations import Inputs, Terms, allocate_terms, allocate_work, evaluate_all, of_variables
 from toolkit.foundation.errors import InputError, SingularSystemError
 from toolkit.foundation.kernel import plain
 from toolkit.solvers.free_motions import all_roots, free_motions, is_zero, refined
 from toolkit.solvers.spin_axis import Linearised, angular_velocity, generator, linearised, of_terms
 from toolkit.solvers.static.equilibrium import LEVELS, static_matrix
+from toolkit.system.equations import Inputs, Terms, allocate_terms, allocate_work, evaluate_all, of_variables
 from toolkit.system.evaluation import plain_formulas_of
 from toolkit.system.solution import Solution
 

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, ClassVar, Literal, Self
 import numpy as np
 from pydantic import model_validator
 
-from toolkit.bodies.model_body import ModelBody
-from toolkit.compilation.dependence import items_of
-from toolkit.compilation.quantities import STEP
+from toolkit.components.bodies.model_body import ModelBody
 from toolkit.foundation.errors import InputError
 from toolkit.responses.marker_formula import MarkerFormula, MarkerVector, Motion, one_of, place_of, refuse_component
 from toolkit.responses.response import Instant, OnePoint, Partials
 from toolkit.scene.resolution import ResolvedScene
+from toolkit.system.dependence import items_of
+from toolkit.system.quantities import STEP
 from toolkit.system.solution import Solution, elastic_coordinates, flexible_body
 
 if TYPE_CHECKING:

@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Annotated, Self
 import numpy as np
 from pydantic import model_validator
 
+from toolkit.components.joints.kernels.laws import angle_of
+from toolkit.components.markers.component import Place, on_both
 from toolkit.description.description import Quantity, Triple
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.kernel import plain
+from toolkit.foundation.kinematics.orientation import axes_along
 from toolkit.foundation.near_ties import spread
 from toolkit.foundation.verdict import Caution
-from toolkit.joints.kernels.laws import angle_of
-from toolkit.kinematics.orientation import axes_along
-from toolkit.markers.component import Place, on_both
 from toolkit.responses.marker_formula import MarkerMotion, Motion, one_of
 from toolkit.responses.motion import Rotation
 from toolkit.responses.over_time import OverTime

@@ -18,19 +18,19 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from toolkit.bodies.cut_body import CutBody, PlanarCutBody
-from toolkit.bodies.framed_part import elements_at, whole_design
-from toolkit.compilation.quantities import STEP
+from toolkit.components.bodies.cut_body import CutBody, PlanarCutBody
+from toolkit.components.bodies.framed_part import elements_at, whole_design
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.itself import Itself
+from toolkit.foundation.kinematics.orientation import rotation
 from toolkit.foundation.near_ties import RESULT_TIE_BAND, first_largest
-from toolkit.kinematics.orientation import rotation
 from toolkit.reduced_model.cut_chain import ChainPlace, chain_nodes
 from toolkit.reduced_model.dependence import scattered
 from toolkit.reduced_model.model import Shape
 from toolkit.responses.response import Instant, MeanSquare, Partials
 from toolkit.responses.stress import design_rates
 from toolkit.scene.resolution import ResolvedScene, clamped_nodes
+from toolkit.system.quantities import STEP
 from toolkit.system.solution import Solution, design_point, elastic_coordinates, flexible_body
 
 TILDE = np.array([[0.0, -1.0], [1.0, 0.0]])

@@ -14,9 +14,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import numpy as np
 import scipy
 
-from toolkit.bodies.cut_body import CutBody
-from toolkit.bodies.model_body import DEPENDENCE
-from toolkit.compilation.quantities import STEP
+from toolkit.components.bodies.cut_body import CutBody
+from toolkit.components.bodies.model_body import DEPENDENCE
 from toolkit.description.description import Positive, Quantity
 from toolkit.description.design import BodyPoint
 from toolkit.foundation.near_ties import RESULT_TIE_BAND, first_largest
@@ -26,6 +25,7 @@ from toolkit.reduced_model.model import place_parameter
 from toolkit.responses.response import Partials, Response, felt_steps
 from toolkit.scene.resolution import ResolvedScene
 from toolkit.scene.scene import Scene
+from toolkit.system.quantities import STEP
 from toolkit.system.solution import Solution, design_point, elastic_coordinates, flexible_body
 
 if TYPE_CHECKING:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable
 from typing import TYPE_CHECKING
 
-from toolkit.bodies.model_body import ModelBody, refuse_unknown_keys
-from toolkit.curves.curve import Curve
+from toolkit.components.bodies.model_body import ModelBody, refuse_unknown_keys
+from toolkit.components.curves.curve import Curve
 from toolkit.description.description import Description, Measure, OverAngle, Quantity
 from toolkit.description.design import AXES, BodyPoint, Design, DesignVariable
 from toolkit.foundation.errors import InputError, listed, meant

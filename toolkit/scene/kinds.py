@@ -11,7 +11,7 @@ DIMENSIONS = tuple(SPACES)
 """Dimensions that a scene can have."""
 
 for _room in ("bodies", "joints", "loads"):
-    import_room(f"toolkit.{_room}")
+    import_room(f"toolkit.components.{_room}")
 
 
 def kinds_of(dimension: int) -> dict[str, Mapping[str, type[Registered]]]:

@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING, Any, Self, TypeVar
 import numpy as np
 from pydantic import PrivateAttr
 
-from toolkit.bodies.body import Body
-from toolkit.bodies.cut_body import CutBody, part_name, part_number
-from toolkit.bodies.cuttable_body import CuttableBody
-from toolkit.bodies.flexible import Flexible, SpatialFlexible
-from toolkit.bodies.framed_part import NODE, place_on
-from toolkit.bodies.model_body import FRAME, ModelBody, refuse_unknown
+from toolkit.components.bodies.body import Body
+from toolkit.components.bodies.cut_body import CutBody, part_name, part_number
+from toolkit.components.bodies.cuttable_body import CuttableBody
+from toolkit.components.bodies.flexible import Flexible, SpatialFlexible
+from toolkit.components.bodies.framed_part import NODE, place_on
+from toolkit.components.bodies.model_body import FRAME, ModelBody, refuse_unknown
+from toolkit.components.joints.rigid_joint import Tie
 from toolkit.description.design import BodyPoint, Point
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.itself import Itself
 from toolkit.foundation.value_types import Scalar
-from toolkit.joints.rigid_joint import Tie
 from toolkit.reduced_model.cut_chain import breaks, chain_nodes, node_labels, place_at, place_of
 from toolkit.reduced_model.model import ReducedModel, place_parameter
 from toolkit.scene.scene import Scene, known

@@ -11,18 +11,18 @@ from typing import TYPE_CHECKING, Literal, Self, TypeVar
 import numpy as np
 from pydantic import Field, model_validator
 
-from toolkit.bodies.body import Body
-from toolkit.bodies.model_body import ModelBody
+from toolkit.components.bodies.body import Body
+from toolkit.components.bodies.model_body import ModelBody
+from toolkit.components.joints.joint import Joint
+from toolkit.components.loads.gravity import UniformGravity
+from toolkit.components.loads.load import AnyLoad
+from toolkit.components.loads.pressure import Pressure
+from toolkit.components.markers.component import Component
 from toolkit.description.description import Description, InSpace, Registered, number_at, numbers_below
 from toolkit.description.design import BodyPoint, Design, DesignEntry, DesignVariable, Point, lettered, numbered
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import SHORT, InputError, listed, meant
 from toolkit.foundation.value_types import Scalar
-from toolkit.joints.joint import Joint
-from toolkit.loads.gravity import UniformGravity
-from toolkit.loads.load import AnyLoad
-from toolkit.loads.pressure import Pressure
-from toolkit.markers.component import Component
 from toolkit.reduced_model.file import load
 from toolkit.reduced_model.frozen_basis import RICHER_PARTS, RicherModel, richer_model
 from toolkit.reduced_model.model import ReducedModel, place_parameter

@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from toolkit.bodies.body import Body, PlanarBody, SpatialBody
-from toolkit.bodies.cut_body import CutBody, PlanarCutBody, SpatialCutBody
-from toolkit.bodies.ground import Ground, SpatialGround
+from toolkit.components.bodies.body import Body, PlanarBody, SpatialBody
+from toolkit.components.bodies.cut_body import CutBody, PlanarCutBody, SpatialCutBody
+from toolkit.components.bodies.ground import Ground, SpatialGround
+from toolkit.components.joints.joint import PlanarJoint, SpatialJoint
+from toolkit.components.joints.kernels.records import ROWS, SPATIAL_ROWS
+from toolkit.components.joints.rigid_joint import PlanarTie, SpatialTie, Tie
+from toolkit.components.loads.kernels.load_kernel import ARGUMENTS as LOAD_ARGUMENTS
+from toolkit.components.loads.kernels.load_kernel import SPATIAL_ARGUMENTS
+from toolkit.components.loads.load import AnyPlanarLoad, AnySpatialLoad
 from toolkit.description.description import Registered
-from toolkit.joints.joint import PlanarJoint, SpatialJoint
-from toolkit.joints.kernels.records import ROWS, SPATIAL_ROWS
-from toolkit.joints.rigid_joint import PlanarTie, SpatialTie, Tie
-from toolkit.loads.kernels.load_kernel import ARGUMENTS as LOAD_ARGUMENTS
-from toolkit.loads.kernels.load_kernel import SPATIAL_ARGUMENTS
-from toolkit.loads.load import AnyPlanarLoad, AnySpatialLoad
 
 
 @dataclass(frozen=True, eq=False)

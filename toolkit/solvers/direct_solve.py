@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
-from toolkit.compilation.redundant_rows import hint_of_floating, hint_of_grounded
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError, SingularSystemError
 from toolkit.foundation.memory_sizes import GIGABYTE, in_gigabytes
@@ -18,6 +17,7 @@ from toolkit.linear.linear_solver import (
     linear_solver,
     solve_once,
 )
+from toolkit.system.redundant_rows import hint_of_floating, hint_of_grounded
 from toolkit.system.system import System
 
 ZERO_SINGULAR_VALUE, SIMILAR_SINGULAR_VALUES = 1e-12, 10.0

@@ -6,13 +6,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from toolkit.compilation.quantities import named_loads
-from toolkit.equations.equations import allocate_work
+from toolkit.components.joints.kernels.laws import angle_of
+from toolkit.components.loads.load import Load
+from toolkit.components.markers.poses import update_poses
 from toolkit.foundation.errors import ConvergenceError
 from toolkit.foundation.kernel import kernel
-from toolkit.joints.kernels.laws import angle_of
-from toolkit.loads.load import Load
-from toolkit.markers.poses import update_poses
+from toolkit.system.equations import allocate_work
+from toolkit.system.quantities import named_loads
 from toolkit.system.system import System
 
 LOST = {

@@ -16,15 +16,15 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from toolkit.bodies.body import QUATERNION, Body
-from toolkit.compilation.quantities import STEP
+from toolkit.components.bodies.body import QUATERNION, Body
+from toolkit.components.joints.driver import DrivenAngle
 from toolkit.description.run_options import RunOptions
-from toolkit.equations.equations import Inputs, Terms
 from toolkit.foundation.errors import InputError, quoted
+from toolkit.foundation.kinematics.orientation import skew
 from toolkit.foundation.near_ties import first_largest
-from toolkit.joints.driver import DrivenAngle
-from toolkit.kinematics.orientation import skew
 from toolkit.solvers.free_motions import free_motions
+from toolkit.system.equations import Inputs, Terms
+from toolkit.system.quantities import STEP
 from toolkit.system.system import System
 
 

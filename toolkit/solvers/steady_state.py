@@ -12,11 +12,11 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.description.run_options import RunOptions
-from toolkit.equations.equations import Inputs
 from toolkit.foundation.errors import ConvergenceError, InputError, SingularSystemError, retold
 from toolkit.foundation.near_ties import first_largest
 from toolkit.solvers.spin_axis import Generator, SceneSpin, balancing, linearised, moved, refuse_acceleration, spin_of
 from toolkit.solvers.static.equilibrium import COORDINATE_ROUNDINGS, LEVELS, ROUND_OFF
+from toolkit.system.equations import Inputs
 from toolkit.system.system import System
 
 SMALLEST_STEP = 2.0**-10

@@ -20,16 +20,22 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from toolkit.analyses.sensitivity.errors.step_cautions import GRADIENT_LIMIT, VALUE_LIMIT
+from toolkit.analyses.sensitivity.errors.step_error import DERIVATIVE_FACTOR
+from toolkit.analyses.sensitivity.gradient_errors import (
+    ESTIMATE_FACTOR,
+    SMALL_GEOMETRIC_ERROR,
+    FrameErrors,
+    Slopes,
+    doubtful_gradients,
+)
+from toolkit.analyses.sensitivity.preparation import response_scales, typical_size, variable_sizes
+from toolkit.analyses.sensitivity.run import UNIMPORTANT_EFFECT, Run
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.responses.extremes import peaks
 from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.errors.step_cautions import GRADIENT_LIMIT, VALUE_LIMIT
-from toolkit.sensitivity.errors.step_error import DERIVATIVE_FACTOR
-from toolkit.sensitivity.gradient_errors import ESTIMATE_FACTOR, SMALL_GEOMETRIC_ERROR, FrameErrors, Slopes, doubtful_gradients
-from toolkit.sensitivity.preparation import response_scales, typical_size, variable_sizes
-from toolkit.sensitivity.run import UNIMPORTANT_EFFECT, Run
 from toolkit.system.solution import Solution, deforming, elastic_coordinates
 from toolkit.validity.bodies.bent_surfaces import geometric_errors
 from toolkit.validity.bodies.critical_load import Compression, compression

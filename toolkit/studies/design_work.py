@@ -14,12 +14,12 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.bodies.model_body import ModelBody
+from toolkit.analyses.sensitivity.direct import direct
+from toolkit.components.bodies.model_body import ModelBody
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.files.safe_files import write_whole
 from toolkit.foundation.verdict import Caution
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.direct import direct
 from toolkit.studies.executor import SERIAL, Executor, Progress, run_jobs
 from toolkit.studies.problem import MARGIN_SEARCH_FACTOR, Problem
 from toolkit.studies.solved_design import scene_at, solve_design

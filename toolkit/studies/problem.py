@@ -9,7 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from toolkit.analyses.sensitivity.compiled import Compiled
+from toolkit.analyses.sensitivity.methods import with_frames_for_gradients
+from toolkit.analyses.sensitivity.preparation import Kind, responses_of
 from toolkit.description.design import CommonVariable
+from toolkit.files.gradient_units import variable_unit
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import InputError
 from toolkit.responses.least_frequency import LoadMargin
 from toolkit.responses.response import MeanSquare, Response
@@ -18,11 +23,6 @@ from toolkit.scene.changed_numbers import with_numbers
 from toolkit.scene.design_variables import refuse_wrong_variables
 from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene, check_design_names, check_names
-from toolkit.scene_file.gradient_units import variable_unit
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.compiled import Compiled
-from toolkit.sensitivity.methods import with_frames_for_gradients
-from toolkit.sensitivity.preparation import Kind, responses_of
 from toolkit.studies.distributions import Uncertain
 from toolkit.studies.store import scene_fingerprint
 from toolkit.studies.study_file import LOAD_MARGIN, Study, StudyVariable

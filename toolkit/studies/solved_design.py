@@ -21,6 +21,8 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.analyses.modes import solve_modes
+from toolkit.analyses.sensitivity.direct import evaluated, values_alone
+from toolkit.analyses.sensitivity.methods import by_method
 from toolkit.analyses.statics import solve_statics
 from toolkit.foundation.errors import InputError, NoLimitPointError, ToolkitError
 from toolkit.foundation.processes import one_thread
@@ -29,8 +31,6 @@ from toolkit.responses.pencil import pencil_of
 from toolkit.responses.vibration import Frequency
 from toolkit.scene.changed_numbers import with_numbers
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.direct import evaluated, values_alone
-from toolkit.sensitivity.methods import by_method
 from toolkit.studies.problem import Problem
 from toolkit.studies.store import EMPTY, DesignOutcome, JobState
 from toolkit.system.solution import Solution

@@ -13,9 +13,9 @@ from toolkit.description.description import Description, FileName, NotNegative, 
 from toolkit.description.design import check_shares
 from toolkit.description.run_options import Count, Seed
 from toolkit.description.validation_messages import messages
+from toolkit.files.scene_reader import responses_from_table
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.toml_file import naming_lines, read_toml, refuse_other
-from toolkit.scene_file.reader import responses_from_table
 from toolkit.studies.distributions import Uncertain, Uncertainty
 
 Part = Annotated[float, Field(strict=True, gt=1e-12, lt=1.0), Quantity("none")]

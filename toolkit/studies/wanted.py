@@ -19,10 +19,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from toolkit.analyses.sensitivity.preparation import Kind, responses_of
 from toolkit.foundation.errors import InputError, listed, meant
 from toolkit.responses.least_frequency import LoadMargin
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.preparation import Kind, responses_of
 from toolkit.studies.distributions import Marginal, Uncertain, joint_of, marginal_of
 from toolkit.studies.orthonormal_basis import basis_of, scrambled, size_of
 from toolkit.studies.study_file import LOAD_MARGIN, Limit, Study

@@ -15,23 +15,23 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 import scipy
 
-from toolkit.bodies.kernels.constant_kernel import Changes
-from toolkit.compilation.joint_arrays import families, laws_of
-from toolkit.compilation.numbering import starts
-from toolkit.compilation.plan import touched
-from toolkit.compilation.quantities import loads_of
-from toolkit.equations.equations import DesignSums, GatheredPlan, Plan, Terms, allocate_terms, allocate_work, of_variables
+from toolkit.components.bodies.kernels.constant_kernel import Changes
+from toolkit.components.joints.kernels.laws import SIGNATURE as LAW_SIGNATURE
+from toolkit.components.joints.kernels.laws import angle_law
+from toolkit.components.joints.kernels.records import DESIGN, DESIGNED, PINNED
+from toolkit.components.loads.kernels.load_kernel import SIGNATURE as LOAD_SIGNATURE
+from toolkit.components.loads.torque import torque
+from toolkit.components.markers.planar import Markers
 from toolkit.foundation.compiled.calls import in_memory
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.kernel import plain, slots
-from toolkit.joints.kernels.laws import SIGNATURE as LAW_SIGNATURE
-from toolkit.joints.kernels.laws import angle_law
-from toolkit.joints.kernels.records import DESIGN, DESIGNED, PINNED
-from toolkit.loads.kernels.load_kernel import SIGNATURE as LOAD_SIGNATURE
-from toolkit.loads.torque import torque
-from toolkit.markers.planar import Markers
 from toolkit.scene.resolution import ResolvedScene
 from toolkit.scene.scene import Scene
+from toolkit.system.equations import DesignSums, GatheredPlan, Plan, Terms, allocate_terms, allocate_work, of_variables
+from toolkit.system.joint_arrays import families, laws_of
+from toolkit.system.numbering import starts
+from toolkit.system.plan import touched
+from toolkit.system.quantities import loads_of
 
 
 class EvaluationMemory(threading.local):

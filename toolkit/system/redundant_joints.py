@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy
 
-from toolkit.compilation.redundant_rows import Rows, hint_of_grounded, independent_rows, null_vectors
-from toolkit.equations.equations import Terms
 from toolkit.foundation.errors import InputError, NoDerivativeError
+from toolkit.system.equations import Terms
+from toolkit.system.redundant_rows import Rows, hint_of_grounded, independent_rows, null_vectors
 
 if TYPE_CHECKING:
     from toolkit.system.system import System

@@ -7,16 +7,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from toolkit.bodies.body import ConstantNumbers
-from toolkit.compilation.dependence import GROUPS, Affected
-from toolkit.compilation.numbering import weights
-from toolkit.compilation.pattern import NewEntryError, renew
-from toolkit.compilation.plan import Kept, build_plan
-from toolkit.compilation.quantities import OPEN, Quantities, check_numbers, renewed_derivatives, seen_quantities
+from toolkit.components.bodies.body import ConstantNumbers
+from toolkit.components.joints.joint import keeps_rows
 from toolkit.description.design import Design
-from toolkit.joints.joint import keeps_rows
 from toolkit.scene.resolution import ResolvedScene, resolve
 from toolkit.scene.scene import Scene
+from toolkit.system.dependence import GROUPS, Affected
+from toolkit.system.numbering import weights
+from toolkit.system.pattern import NewEntryError, renew
+from toolkit.system.plan import Kept, build_plan
+from toolkit.system.quantities import OPEN, Quantities, check_numbers, renewed_derivatives, seen_quantities
 from toolkit.system.solution import deforming
 from toolkit.system.system import System, compile_scene
 

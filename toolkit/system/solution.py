@@ -9,15 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.bodies.cut_body import CutBody
-from toolkit.bodies.model_body import ModelBody
+from toolkit.components.bodies.cut_body import CutBody
+from toolkit.components.bodies.model_body import ModelBody
+from toolkit.components.markers.planar import MarkerState
+from toolkit.components.markers.poses import update_pose_designs, update_poses
+from toolkit.components.markers.spatial import SpatialMarkerState
 from toolkit.description.design import BodyPoint
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError, NeedsDirectError
 from toolkit.foundation.verdict import Caution, Verdict
-from toolkit.markers.planar import MarkerState
-from toolkit.markers.poses import update_pose_designs, update_poses
-from toolkit.markers.spatial import SpatialMarkerState
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.scene.resolution import ResolvedScene
 from toolkit.system.system import System

@@ -10,13 +10,16 @@ from typing import TypeVar
 import numpy as np
 import scipy
 
-from toolkit.compilation.numbering import Numbering, number, weights
-from toolkit.compilation.pattern import moving_unknowns, on_common_pattern
-from toolkit.compilation.plan import build_plan
-from toolkit.compilation.quantities import STEP, Asked, Quantities, check_numbers, derivatives, seen_quantities
 from toolkit.description.description import holds_complex
 from toolkit.description.design import Design
-from toolkit.equations.equations import (
+from toolkit.foundation.compiled.calls import call, entry_point, formula_for, in_memory
+from toolkit.foundation.compiled.packed import Formula, Packed
+from toolkit.foundation.kernel import plain
+from toolkit.foundation.near_ties import first_largest
+from toolkit.linear.sparse_analysis import LUPlan, analyse
+from toolkit.scene.resolution import ResolvedScene, resolve
+from toolkit.scene.scene import Scene
+from toolkit.system.equations import (
     Inputs,
     Plan,
     ScratchMemory,
@@ -27,13 +30,6 @@ from toolkit.equations.equations import (
     evaluate_states,
     of_variables,
 )
-from toolkit.foundation.compiled.calls import call, entry_point, formula_for, in_memory
-from toolkit.foundation.compiled.packed import Formula, Packed
-from toolkit.foundation.kernel import plain
-from toolkit.foundation.near_ties import first_largest
-from toolkit.linear.sparse_analysis import LUPlan, analyse
-from toolkit.scene.resolution import ResolvedScene, resolve
-from toolkit.scene.scene import Scene
 from toolkit.system.evaluation import (
     EvaluationMemory,
     FileStates,
@@ -47,6 +43,10 @@ from toolkit.system.evaluation import (
     refuse_changed,
     remembered,
 )
+from toolkit.system.numbering import Numbering, number, weights
+from toolkit.system.pattern import moving_unknowns, on_common_pattern
+from toolkit.system.plan import build_plan
+from toolkit.system.quantities import STEP, Asked, Quantities, check_numbers, derivatives, seen_quantities
 from toolkit.system.redundant_joints import without_redundant_rows
 
 R = TypeVar("R")

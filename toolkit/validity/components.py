@@ -6,24 +6,24 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from toolkit.compilation.numbering import grips_of
-from toolkit.compilation.quantities import named_loads
+from toolkit.components.joints.cam import OnCam
+from toolkit.components.joints.kernels.profile import SEAM_OVERLAP
+from toolkit.components.joints.profile import CLOSED_TOLERANCE, FULL_TURN
+from toolkit.components.joints.rows import Form
+from toolkit.components.loads.bushing import SpatialBushing
+from toolkit.components.loads.controllers import DistanceControlled
+from toolkit.components.loads.friction import Friction
+from toolkit.components.loads.springs import PointSpring
 from toolkit.foundation.errors import quoted
 from toolkit.foundation.kernel import plain
 from toolkit.foundation.near_ties import spread
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import MOTION, REST, STATES, Caution, check
-from toolkit.joints.cam import OnCam
-from toolkit.joints.kernels.profile import SEAM_OVERLAP
-from toolkit.joints.profile import CLOSED_TOLERANCE, FULL_TURN
-from toolkit.joints.rows import Form
-from toolkit.loads.bushing import SpatialBushing
-from toolkit.loads.controllers import DistanceControlled
-from toolkit.loads.friction import Friction
-from toolkit.loads.springs import PointSpring
 from toolkit.responses.marker_formula import MarkerMotion
 from toolkit.responses.response import Response
 from toolkit.scene.scene import Scene
+from toolkit.system.numbering import grips_of
+from toolkit.system.quantities import named_loads
 from toolkit.system.solution import Solution, poses_at
 from toolkit.system.system import System, compile_scene
 
@@ -256,7 +256,7 @@ def _passes(solution: Solution, name: str) -> bool:
 
 
 def _vectors(pose: np.ndarray) -> np.ndarray:
-    """Position and axes of both markers, and in the plane the difference of both positions behind them, see `toolkit.joints.poses`."""
+    """Position and axes of both markers, and in the plane the difference of both positions behind them, see `joints.poses`."""
     if pose.shape[1] > 3:
         return pose.reshape(8, 3)
     c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])

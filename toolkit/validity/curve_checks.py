@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from toolkit.compilation.quantities import STEP, curves_of
-from toolkit.curves.curve import Curve, CurvePart
-from toolkit.curves.table import Table
+from toolkit.components.curves.curve import Curve, CurvePart
+from toolkit.components.curves.table import Table
 from toolkit.foundation.units import LABELLED
 from toolkit.foundation.verdict import MOTION, Caution, check
 from toolkit.scene.design_variables import number_measure
 from toolkit.scene.resolution import ResolvedScene
+from toolkit.system.quantities import STEP, curves_of
 from toolkit.system.solution import Solution
 
 if TYPE_CHECKING:

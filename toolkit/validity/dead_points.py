@@ -18,11 +18,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from toolkit.equations.equations import Terms
 from toolkit.foundation.near_ties import spread
 from toolkit.foundation.verdict import Caution, check
 from toolkit.solvers.static.critical_state import StaticEntries
 from toolkit.solvers.static.equilibrium import LEVELS
+from toolkit.system.equations import Terms
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 

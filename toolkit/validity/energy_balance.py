@@ -7,17 +7,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.bodies.kernels.constant_kernel import LEFT_OUT, add_drag, moving_residual
-from toolkit.compilation.quantities import named_loads
-from toolkit.equations.equations import Inputs, Plan, allocate_terms, allocate_work
+from toolkit.components.bodies.kernels.constant_kernel import LEFT_OUT, add_drag, moving_residual
+from toolkit.components.joints.kernels.all_joints import evaluate_any_joint
+from toolkit.components.joints.kernels.composition import gap
+from toolkit.components.joints.kernels.planar_pin import pin_rows
+from toolkit.components.joints.kernels.records import CURVE, FIRST_ROW, N_ROWS, PHI, PINNED
+from toolkit.components.markers.poses import set_frames, update_positions
 from toolkit.foundation.kernel import inlined, kernel
 from toolkit.foundation.near_ties import TIE_BAND, spread
-from toolkit.joints.kernels.all_joints import evaluate_any_joint
-from toolkit.joints.kernels.composition import gap
-from toolkit.joints.kernels.planar_pin import pin_rows
-from toolkit.joints.kernels.records import CURVE, FIRST_ROW, N_ROWS, PHI, PINNED
-from toolkit.markers.poses import set_frames, update_positions
 from toolkit.responses.balance import power_of_load
+from toolkit.system.equations import Inputs, Plan, allocate_terms, allocate_work
+from toolkit.system.quantities import named_loads
 from toolkit.system.solution import Solution
 
 ONES = (1.0, 1.0, 1.0, 1.0)

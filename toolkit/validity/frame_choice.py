@@ -16,14 +16,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolkit.bodies.cut_body import CutBody
-from toolkit.bodies.cuttable_body import ChosenFrames, CuttableBody
-from toolkit.bodies.model_body import ModelBody
+from toolkit.components.bodies.cut_body import CutBody
+from toolkit.components.bodies.cuttable_body import ChosenFrames, CuttableBody
+from toolkit.components.bodies.model_body import ModelBody
+from toolkit.components.joints.joint import Joint
 from toolkit.foundation.errors import quoted
 from toolkit.foundation.near_ties import first_largest
 from toolkit.foundation.value_types import Record
 from toolkit.foundation.verdict import SCENE, Caution, check
-from toolkit.joints.joint import Joint
 from toolkit.reduced_model.model import MEAN_AXES, Chord, chord_of
 from toolkit.scene.scene import Scene
 

@@ -8,19 +8,18 @@ import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from toolkit.bodies.model_body import MASS_DAMPING, ModelBody
-from toolkit.compilation.redundant_rows import floats_with_its_clamp
+from toolkit.components.bodies.model_body import MASS_DAMPING, ModelBody
+from toolkit.components.joints.cylindrical import Cylindrical
+from toolkit.components.joints.joint import Joint
+from toolkit.components.joints.revolute import SpatialRevolute
+from toolkit.components.joints.spherical import Spherical
+from toolkit.components.joints.universal import Universal
+from toolkit.components.loads.friction import Friction
+from toolkit.components.loads.load import BetweenBodies, BetweenPoints
 from toolkit.foundation.errors import listed
 from toolkit.foundation.files.safe_files import read_whole
 from toolkit.foundation.value_types import TomlTable, TomlValue
 from toolkit.foundation.verdict import SCENE, STATES, Caution, check, checks
-from toolkit.joints.cylindrical import Cylindrical
-from toolkit.joints.joint import Joint
-from toolkit.joints.revolute import SpatialRevolute
-from toolkit.joints.spherical import Spherical
-from toolkit.joints.universal import Universal
-from toolkit.loads.friction import Friction
-from toolkit.loads.load import BetweenBodies, BetweenPoints
 from toolkit.reduced_model.model import ReducedModel
 from toolkit.reduced_model.questions import COARSE_ENERGY_ERROR, COARSE_STRESS_ERROR, face_questions, mesh_questions
 from toolkit.responses.local_stress import LocalStress
@@ -28,6 +27,7 @@ from toolkit.responses.over_time import OverTime
 from toolkit.responses.stress import StressResponse
 from toolkit.scene.resolution import ResolvedScene, loaded
 from toolkit.scene.scene import Scene
+from toolkit.system.redundant_rows import floats_with_its_clamp
 from toolkit.system.solution import Solution
 
 

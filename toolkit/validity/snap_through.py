@@ -17,13 +17,12 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 import scipy
 
-from toolkit.bodies.body import QUATERNION
-from toolkit.equations.equations import Terms
+from toolkit.components.bodies.body import QUATERNION
 from toolkit.foundation.compiled.calls import call
 from toolkit.foundation.errors import SingularSystemError
 from toolkit.foundation.kernel import kernel
+from toolkit.foundation.kinematics.orientation import partials_of_quaternion, rotation
 from toolkit.foundation.verdict import MOTION, Caution, check
-from toolkit.kinematics.orientation import partials_of_quaternion, rotation
 from toolkit.linear.linear_solver import ONE_REFINEMENT_ENOUGH
 from toolkit.solvers.direct_solve import SPARSE_FROM_UNKNOWNS
 from toolkit.solvers.static.critical_state import StaticEntries, are_positive, has_negative_stiffness, softest_motion
@@ -38,6 +37,7 @@ from toolkit.solvers.static.static_matrix import (
     scaled_by,
     whole_array,
 )
+from toolkit.system.equations import Terms
 from toolkit.system.solution import Solution, deforming
 from toolkit.system.system import System
 

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolkit.bodies.body import QUATERNION
-from toolkit.bodies.model_body import ModelBody
+from toolkit.components.bodies.body import QUATERNION
+from toolkit.components.bodies.model_body import ModelBody
 from toolkit.description.run_options import RunOptions
+from toolkit.foundation.kinematics.orientation import angular_velocity
 from toolkit.foundation.units import unit
 from toolkit.foundation.value_types import Record
 from toolkit.foundation.verdict import STATES, Caution, check
-from toolkit.kinematics.orientation import angular_velocity
 from toolkit.scene.scene import Scene
 from toolkit.solvers.start.initial_conditions import POSITION_TOLERANCE, moved_by
 from toolkit.solvers.start.kept_start import kept_state, other_numbers

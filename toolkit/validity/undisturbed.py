@@ -25,12 +25,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.bodies.body import QUATERNION, Body
-from toolkit.bodies.rigid import SpatialRigidBody
+from toolkit.components.bodies.body import QUATERNION, Body
+from toolkit.components.bodies.rigid import SpatialRigidBody
 from toolkit.description.run_options import RunOptions
+from toolkit.foundation.kinematics.orientation import angular_velocity
 from toolkit.foundation.near_ties import first_largest, spread
 from toolkit.foundation.verdict import MOTION, Caution, check
-from toolkit.kinematics.orientation import angular_velocity
 from toolkit.responses.flutter import UNSTABLE
 from toolkit.scene.scene import Scene
 from toolkit.solvers.free_motions import free_motions

@@ -6,12 +6,12 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from toolkit.bodies.body import Body
-from toolkit.bodies.model_body import ModelBody
-from toolkit.bodies.rigid import GivenMass, UniformRod
+from toolkit.components.bodies.body import Body
+from toolkit.components.bodies.model_body import ModelBody
+from toolkit.components.bodies.rigid import GivenMass, UniformRod
+from toolkit.components.markers.component import Component
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import SCENE, Caution, check
-from toolkit.markers.component import Component
 from toolkit.reduced_model.questions import IN_SI, material_questions
 from toolkit.scene.resolution import ResolvedScene
 

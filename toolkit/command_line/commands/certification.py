@@ -19,11 +19,11 @@ from toolkit.foundation.verdict import Verdict
 from toolkit.report.answer import Answer, AnswerTable, Record
 
 if TYPE_CHECKING:
+    from toolkit.analyses.sensitivity.certificate.certificate import Certificate
+    from toolkit.analyses.sensitivity.certificate.fresh_models import FreshGradients
+    from toolkit.analyses.sensitivity.run import Run
     from toolkit.report.drawing import Drawing
     from toolkit.scene.scene import Scene
-    from toolkit.sensitivity.certificate.certificate import Certificate
-    from toolkit.sensitivity.certificate.fresh_models import FreshGradients
-    from toolkit.sensitivity.run import Run
 
 
 def certify(
@@ -44,9 +44,9 @@ def certify(
     """Compare the gradients of independent methods; exit with an error if exact ones disagree."""
     if output is not None:
         refuse_no_picture(output)
-    from toolkit.sensitivity.certificate.certificate import certify as compare
-    from toolkit.sensitivity.methods import with_frames_for_gradients
-    from toolkit.sensitivity.preparation import frozen
+    from toolkit.analyses.sensitivity.certificate.certificate import certify as compare
+    from toolkit.analyses.sensitivity.methods import with_frames_for_gradients
+    from toolkit.analyses.sensitivity.preparation import frozen
 
     kind: Kind = "static" if static else "transient"
     written = read(scene, changes, quiet)
@@ -173,7 +173,7 @@ def agreement(found: Certificate, tolerance: float) -> str:
 
 def digits_of(difference: float) -> str:
     """Number of decimal digits that agree, as text; a dash where a method does not apply."""
-    from toolkit.sensitivity.certificate.certificate import digits
+    from toolkit.analyses.sensitivity.certificate.certificate import digits
 
     return "-" if math.isnan(difference) else f"{digits(difference):.1f}"
 
@@ -197,8 +197,8 @@ def refuse_no_picture(path: Path) -> None:
 
 def built_afresh(scene: Scene, names: list[str], kind: Kind, quiet: bool) -> FreshGradients | None:
     """Gradients by fresh models; None where there is no preprocessing to build them."""
+    from toolkit.analyses.sensitivity.certificate.fresh_models import fresh_gradients
     from toolkit.foundation.processes import is_installed
-    from toolkit.sensitivity.certificate.fresh_models import fresh_gradients
 
     if not is_installed():
         return None
@@ -208,7 +208,7 @@ def built_afresh(scene: Scene, names: list[str], kind: Kind, quiet: bool) -> Fre
 
 def with_doubts_afresh(verdict: Verdict, found: FreshGradients | None, exact: Run) -> Verdict:
     """Verdict with what fresh models say against frozen bases."""
-    from toolkit.sensitivity.certificate.fresh_models import doubts_of_fresh
+    from toolkit.analyses.sensitivity.certificate.fresh_models import doubts_of_fresh
 
     return verdict if found is None else Verdict.of([*verdict.warnings, *doubts_of_fresh(found, exact)], verdict.measures)
 
@@ -221,8 +221,8 @@ def check_afresh(found: FreshGradients | None, exact: Run) -> None:
     DisagreementError
         Names response, variable and both numbers.
     """
-    from toolkit.sensitivity.certificate.certificate import DisagreementError
-    from toolkit.sensitivity.certificate.fresh_models import disagreements
+    from toolkit.analyses.sensitivity.certificate.certificate import DisagreementError
+    from toolkit.analyses.sensitivity.certificate.fresh_models import disagreements
 
     if found is not None and (wrong := list(disagreements(found, exact))):
         raise DisagreementError(

@@ -17,7 +17,7 @@ from toolkit.report.answer import Answer, AnswerTable, Record
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from toolkit.sensitivity.certificate.whole_mechanism import Mechanism
+    from toolkit.analyses.sensitivity.certificate.whole_mechanism import Mechanism
     from toolkit.system.solution import Solution
     from toolkit.validity.bodies.corotational_beams import Comparison
 
@@ -32,8 +32,8 @@ def check_deformation(
     quiet: Quiet = False,
 ) -> None:
     """Solve flexible bodies again with elements that turn: alone under the same forces, and the whole mechanism with its gradients."""
+    from toolkit.analyses.sensitivity.certificate.whole_mechanism import compare_mechanism
     from toolkit.foundation.verdict import Verdict
-    from toolkit.sensitivity.certificate.whole_mechanism import compare_mechanism
     from toolkit.validity.bodies.corotational_beams import compare_with_corotational, flexible_of
 
     solution = _solution(file, static, changes, models, quiet)

@@ -13,7 +13,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.foundation.terminal import AsJson, Quiet
 
 if TYPE_CHECKING:
-    from toolkit.results.results import Results
+    from toolkit.files.results import Results
 
 
 def export(
@@ -27,13 +27,13 @@ def export(
     quiet: Quiet = False,
 ) -> None:
     """Write results as CSV tables, or for ParaView."""
-    from toolkit.results.results_file import load_results
+    from toolkit.files.results_file import load_results
 
     if csv is None and paraview is None:
         raise InputError("nothing to export. Say what is wanted with --csv DIR, --paraview DIR, or both.")
     results, files = load_results(file), list[Path]()
     if csv is not None:
-        from toolkit.results.tables import export_csv
+        from toolkit.files.tables import export_csv
 
         files += export_csv(results, prepare_folder(csv))
     if paraview is not None:
@@ -45,7 +45,7 @@ def _export_paraview(results: Results, folder: Path, models: Path | None) -> Pat
     from toolkit.render.packages import require
 
     require("pyvista", "matplotlib")
+    from toolkit.analyses.sensitivity.run import restored
     from toolkit.render.paraview import export_paraview
-    from toolkit.sensitivity.run import restored
 
     return export_paraview(restored(results, models).solution, folder)

@@ -18,8 +18,8 @@ from toolkit.reduced_model.told_body import body_lines
 from toolkit.report.answer import Answer, AnswerTable, Record
 
 if TYPE_CHECKING:
+    from toolkit.files.results import Results
     from toolkit.foundation.verdict import Verdict
-    from toolkit.results.results import Results
     from toolkit.scene.scene import Scene
 
 
@@ -51,7 +51,7 @@ def _described(
     file: Path, variables: str | None, keep_all: bool, measure: bool, changes: list[str] | None, quiet: bool
 ) -> tuple[Record, Record]:
     """Record and cost summary of a scene."""
-    from toolkit.sensitivity.chosen_frames import with_chosen_frames
+    from toolkit.analyses.sensitivity.chosen_frames import with_chosen_frames
 
     scene = with_chosen_frames(read(file, changes, quiet), "transient")
     names = list(scene.design) if variables is None else design_of(scene, variables)
@@ -67,12 +67,12 @@ def describe(path: Path) -> Record:
         The file is missing or is none of them.
     """
     from toolkit.api.describe import describe as describe_model
+    from toolkit.description.results_layout import SCHEMA
     from toolkit.foundation.files.hdf5 import schema_of
-    from toolkit.kept_run.layout import SCHEMA
     from toolkit.reduced_model.file import is_reduced_model
 
     if path.is_file() and schema_of(path) == SCHEMA:
-        from toolkit.results.results_file import load_results
+        from toolkit.files.results_file import load_results
 
         return describe_results(load_results(path))
     if path.suffix != ".h5" and not is_reduced_model(path):
@@ -85,7 +85,7 @@ def describe(path: Path) -> Record:
 
 def describe_results(results: Results) -> Record:
     """Record of stored results: what was computed, of what, with which settings."""
-    from toolkit.kept_run.layout import SCHEMA, SCHEMA_VERSION
+    from toolkit.description.results_layout import SCHEMA, SCHEMA_VERSION
 
     return {
         "schema": f"{SCHEMA}, version {SCHEMA_VERSION}",
@@ -113,9 +113,9 @@ def describe_results(results: Results) -> Record:
 
 def describe_scene(scene: Scene) -> Record:
     """Record of a scene: names and kinds of all parts, design variables, numbers that could be one, and questions."""
+    from toolkit.analyses.sensitivity.preparation import responses_of
     from toolkit.foundation.files.safe_files import outside_files
     from toolkit.scene.resolution import loaded
-    from toolkit.sensitivity.preparation import responses_of
     from toolkit.validity.frame_choice import frame_choices
 
     try:
@@ -152,7 +152,7 @@ def _questions(scene: Scene) -> Verdict:
 
 def cost_summary_of(scene: Scene, design: list[str], keep_all: bool, measured: bool, quiet: bool = False) -> Record:
     """Cost summary of a scene, or the reason why there is none: one that cannot be compiled can still be looked at."""
-    from toolkit.cost_summary.cost_summary import cost_summary
+    from toolkit.report.cost_summary import cost_summary
 
     try:
         if not measured:

@@ -75,9 +75,9 @@ def _refuse_undrawn(scene: Scene) -> None:
 
 
 def _from_results(file: Path, models: Path | None) -> ReportMaterial:
+    from toolkit.analyses.sensitivity.run import restored
+    from toolkit.files.results_file import load_results
     from toolkit.report.material import ReportMaterial
-    from toolkit.results.results_file import load_results
-    from toolkit.sensitivity.run import restored
 
     results = load_results(file)
     solution = restored(results, models).solution
@@ -86,9 +86,9 @@ def _from_results(file: Path, models: Path | None) -> ReportMaterial:
 
 
 def _from_scene(file: Path, changes: list[str] | None, quiet: bool) -> ReportMaterial:
+    from toolkit.analyses.sensitivity.methods import gradients_by, with_frames_for_gradients
+    from toolkit.files.results import collect
     from toolkit.report.material import ReportMaterial
-    from toolkit.results.results import collect
-    from toolkit.sensitivity.methods import gradients_by, with_frames_for_gradients
 
     scene, text = read(file, changes, quiet), text_of(file)
     _refuse_undrawn(scene)

@@ -60,8 +60,8 @@ def stability(
 
         require("matplotlib")
         prepare_folder(output, "stability.json", "stability.png", "stability.svg")
+    from toolkit.analyses.sensitivity.chosen_frames import with_chosen_frames
     from toolkit.scene.resolution import resolve
-    from toolkit.sensitivity.chosen_frames import with_chosen_frames
 
     described = resolve(with_chosen_frames(read(scene, changes, quiet), "transient")).written
     names = design_of(described, variables) if variables or described.design else []

@@ -87,8 +87,8 @@ def tradeoff(
 
 def _model_verdict(scene: Scene) -> Verdict:
     """Doubts about the model itself, which no setting fixes, from the motion with the scene's own settings."""
+    from toolkit.analyses.sensitivity.preparation import prepare, solve
     from toolkit.foundation.verdict import Caution, Verdict
-    from toolkit.sensitivity.preparation import prepare, solve
     from toolkit.validity.bodies.bent_surfaces import bent_surfaces
     from toolkit.validity.bodies.physics import excessive_speeds, large_deformations
 

@@ -10,15 +10,15 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.spatial import cKDTree
 
-from toolkit.bodies.cut_body import CutBody
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.framed_part import FramedPart
-from toolkit.bodies.rigid import Rod
+from toolkit.components.bodies.cut_body import CutBody
+from toolkit.components.bodies.flexible import Flexible
+from toolkit.components.bodies.framed_part import FramedPart
+from toolkit.components.bodies.rigid import Rod
+from toolkit.components.joints.joint import AtPoints
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.kinematics.beam_elements import POWERS, BeamElements
+from toolkit.foundation.kinematics.orientation import rotation
 from toolkit.foundation.near_ties import first_largest
-from toolkit.joints.joint import AtPoints
-from toolkit.kinematics.beam_elements import POWERS, BeamElements
-from toolkit.kinematics.orientation import rotation
 from toolkit.reduced_model.model import Mesh, Outline, ReducedModel
 from toolkit.render.moment import Moment
 from toolkit.responses.shape_error import whole_axes

@@ -14,13 +14,13 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from matplotlib.tri import Triangulation
 
-from toolkit.bodies.cut_body import CutBody
-from toolkit.joints.joint import Joint
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.rigid_joint import RigidJoint, Tie
-from toolkit.joints.slider import Slider
-from toolkit.kinematics.orientation import unit_vector
-from toolkit.loads.springs import SpringDamper
+from toolkit.components.bodies.cut_body import CutBody
+from toolkit.components.joints.joint import Joint
+from toolkit.components.joints.revolute import Revolute
+from toolkit.components.joints.rigid_joint import RigidJoint, Tie
+from toolkit.components.joints.slider import Slider
+from toolkit.components.loads.springs import SpringDamper
+from toolkit.foundation.kinematics.orientation import unit_vector
 from toolkit.render.moment import POINT
 from toolkit.render.plane.configuration import Configuration, SolidShape, drawn_model, skin_shape, solid_shape
 from toolkit.render.plane.look import Look, drawn_thickness, figure_of, shown

@@ -14,8 +14,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
-from toolkit.bodies.cut_body import CutBody
-from toolkit.bodies.flexible import Flexible
+from toolkit.components.bodies.cut_body import CutBody
+from toolkit.components.bodies.flexible import Flexible
 from toolkit.foundation.units import unit
 from toolkit.render.label_places import Name, NamesOfMotion, body_places, panel_of, placed, sides
 from toolkit.render.moment import names_by_place

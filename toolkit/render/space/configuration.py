@@ -9,13 +9,13 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.spatial.transform import Rotation
 
-from toolkit.bodies.body import SpatialBody, SpatialMarkerNumbers
-from toolkit.bodies.cut_body import CutBody
-from toolkit.bodies.flexible import SpatialFlexible
-from toolkit.bodies.framed_part import FramedPart
-from toolkit.bodies.rigid import SpatialRigidBody, SpatialRod
-from toolkit.joints.joint import AtPoints, SpatialJoint
-from toolkit.kinematics.orientation import matrix_of, quaternion_of
+from toolkit.components.bodies.body import SpatialBody, SpatialMarkerNumbers
+from toolkit.components.bodies.cut_body import CutBody
+from toolkit.components.bodies.flexible import SpatialFlexible
+from toolkit.components.bodies.framed_part import FramedPart
+from toolkit.components.bodies.rigid import SpatialRigidBody, SpatialRod
+from toolkit.components.joints.joint import AtPoints, SpatialJoint
+from toolkit.foundation.kinematics.orientation import matrix_of, quaternion_of
 from toolkit.reduced_model.cut_part import rows_of_pieces
 from toolkit.reduced_model.model import StressPoints
 from toolkit.reduced_model.parts import SURFACE_POSITION, Pieces, Surface

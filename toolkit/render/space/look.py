@@ -8,15 +8,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.bodies.flexible import SpatialFlexible
-from toolkit.bodies.rigid import SpatialRod
-from toolkit.curves.curve import Curve
+from toolkit.components.bodies.flexible import SpatialFlexible
+from toolkit.components.bodies.rigid import SpatialRod
+from toolkit.components.curves.curve import Curve
+from toolkit.components.joints.joint import SpatialJoint
+from toolkit.components.loads.point_force import SpatialPointForce
+from toolkit.components.loads.pressure import Pressure
+from toolkit.components.loads.torque import SpatialTorque
+from toolkit.components.markers.component import Component
 from toolkit.foundation.near_ties import spread
-from toolkit.joints.joint import SpatialJoint
-from toolkit.loads.point_force import SpatialPointForce
-from toolkit.loads.pressure import Pressure
-from toolkit.loads.torque import SpatialTorque
-from toolkit.markers.component import Component
 from toolkit.render.readable_units import Readable, View, readable_stress, round_off, round_up, told
 from toolkit.render.space.configuration import BodyShape, SpatialConfiguration, body_shape, has_shape
 from toolkit.responses.stress import point_stress

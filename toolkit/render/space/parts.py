@@ -10,10 +10,10 @@ import pyvista
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from toolkit.bodies.rigid import SpatialRigidBody
+from toolkit.components.bodies.rigid import SpatialRigidBody
+from toolkit.components.joints.joint import Joint, SpatialJoint
 from toolkit.foundation.errors import InputError, listed
-from toolkit.joints.joint import Joint, SpatialJoint
-from toolkit.kinematics.orientation import axes_along
+from toolkit.foundation.kinematics.orientation import axes_along
 from toolkit.render.space.configuration import BodyShape, SpatialConfiguration, body_shape, has_shape
 
 STRESS = "stress"

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pyvista
 
+from toolkit.components.loads.gravity import SpatialGravity
+from toolkit.components.loads.springs import SpatialSpringDamper
 from toolkit.foundation.near_ties import first_smallest
 from toolkit.foundation.units import unit
-from toolkit.loads.gravity import SpatialGravity
-from toolkit.loads.springs import SpatialSpringDamper
 from toolkit.render.label_places import Name, NamesOfMotion, Panel, Side, body_places, panel_of, placed, sides
 from toolkit.render.moment import names_by_place
 from toolkit.render.readable_units import BODY, INK, ROD, SUPPORT, UNDEFORMED, even, readable, round_off, told

@@ -7,7 +7,6 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.description.run_options import RunOptions
-from toolkit.equations.equations import Terms
 from toolkit.foundation.errors import ConvergenceError, InputError, NoDerivativeError
 from toolkit.solvers.direct_solve import solve_linear
 from toolkit.solvers.start.rigid_bodies import told
@@ -18,6 +17,7 @@ from toolkit.solvers.start.start_velocities import (
     refuse_own_velocities,
     written_velocities,
 )
+from toolkit.system.equations import Terms
 from toolkit.system.system import System
 
 POSITION_TOLERANCE = 1e-8

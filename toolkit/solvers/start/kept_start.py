@@ -14,14 +14,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from toolkit.bodies.body import Body
-from toolkit.bodies.model_body import ModelBody
-from toolkit.compilation.quantities import STEP
+from toolkit.components.bodies.body import Body
+from toolkit.components.bodies.model_body import ModelBody
+from toolkit.description.end_state import EndState, end_state
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
-from toolkit.kept_run.end_state import EndState, end_state
 from toolkit.scene.scene import Scene
 from toolkit.solvers.start.initial_conditions import ConsistentMotion, closed_start
+from toolkit.system.quantities import STEP
 from toolkit.system.system import System
 
 if TYPE_CHECKING:

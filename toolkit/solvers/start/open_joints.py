@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.equations.equations import Inputs
+from toolkit.components.joints.distance import KeptDistance
 from toolkit.foundation.units import unit
-from toolkit.joints.distance import KeptDistance
 from toolkit.solvers.start.rigid_bodies import CLOSED_GAP, Nearest, RigidBodies, joint_of, label, nearest, opening
+from toolkit.system.equations import Inputs
 from toolkit.system.system import System
 
 RESTARTS, MOST_RESTARTED_COORDINATES, RESTART_DISTANCE = 6, 60, 0.7

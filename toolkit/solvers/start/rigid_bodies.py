@@ -14,10 +14,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.equations.equations import Inputs, Terms
+from toolkit.components.joints.rigid_joint import Tie
 from toolkit.foundation.near_ties import first_largest
 from toolkit.foundation.units import unit
-from toolkit.joints.rigid_joint import Tie
+from toolkit.system.equations import Inputs, Terms
 from toolkit.system.system import System
 
 MOST_COORDINATES = 400

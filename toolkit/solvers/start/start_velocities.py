@@ -20,18 +20,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from toolkit.bodies.body import QUATERNION, Body
-from toolkit.bodies.kernels.constant_kernel import together
-from toolkit.bodies.model_body import ModelBody
-from toolkit.compilation.quantities import STEP
-from toolkit.equations.equations import Terms
+from toolkit.components.bodies.body import QUATERNION, Body
+from toolkit.components.bodies.kernels.constant_kernel import together
+from toolkit.components.bodies.model_body import ModelBody
 from toolkit.foundation.errors import ConvergenceError, InputError, SingularSystemError
+from toolkit.foundation.kinematics.orientation import angular_velocity, quaternion_rate
 from toolkit.foundation.near_ties import first_largest
 from toolkit.foundation.units import unit
-from toolkit.kinematics.orientation import angular_velocity, quaternion_rate
 from toolkit.solvers.direct_solve import solve_linear
 from toolkit.solvers.start.open_joints import repeat_each_other, search, told_gap
 from toolkit.solvers.start.rigid_bodies import RigidBodies
+from toolkit.system.equations import Terms
+from toolkit.system.quantities import STEP
 from toolkit.system.system import System
 
 LAST_CORRECTION = 1e-13

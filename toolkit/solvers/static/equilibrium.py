@@ -14,15 +14,15 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from toolkit.bodies.rigid import SpatialRigidBody
+from toolkit.components.bodies.rigid import SpatialRigidBody
 from toolkit.description.run_options import RunOptions
-from toolkit.equations.equations import Inputs
 from toolkit.foundation.errors import ConvergenceError, ToolkitError, quoted
 from toolkit.foundation.near_ties import first_largest
 from toolkit.linear.linear_solver import strain_rows
 from toolkit.solvers.direct_solve import solve_linear
 from toolkit.solvers.free_motions import free_motions
 from toolkit.solvers.start.rigid_bodies import told
+from toolkit.system.equations import Inputs
 from toolkit.system.redundant_joints import whole
 from toolkit.system.system import System
 

@@ -10,9 +10,9 @@ import numpy as np
 import scipy
 
 from toolkit.description.run_options import RunOptions
-from toolkit.equations.equations import Inputs, Terms
 from toolkit.solvers.static.equilibrium import LEVELS, inputs_at, leading_curves
 from toolkit.solvers.static.static_matrix import Softness, StaticArray, balance, static_array
+from toolkit.system.equations import Inputs, Terms
 from toolkit.system.system import System
 
 

@@ -13,10 +13,10 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 import scipy
 
-from toolkit.equations.equations import Terms
 from toolkit.foundation.errors import SingularSystemError
 from toolkit.solvers.direct_solve import SPARSE_FROM_UNKNOWNS
 from toolkit.solvers.static.equilibrium import static_matrix
+from toolkit.system.equations import Terms
 from toolkit.system.system import System
 
 StaticArray: TypeAlias = "np.ndarray | scipy.sparse.csr_array"

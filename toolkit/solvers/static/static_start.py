@@ -5,9 +5,7 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
-from toolkit.compilation.redundant_rows import hint_of_floating
 from toolkit.description.run_options import RunOptions
-from toolkit.equations.equations import Terms
 from toolkit.foundation.errors import ConvergenceError, SingularSystemError
 from toolkit.foundation.near_ties import first_largest
 from toolkit.solvers.direct_solve import solve_linear
@@ -25,6 +23,8 @@ from toolkit.solvers.static.static_matrix import (
     softest,
     static_array,
 )
+from toolkit.system.equations import Terms
+from toolkit.system.redundant_rows import hint_of_floating
 from toolkit.system.system import System
 
 LONGEST_STEP, NEWTON_DISTANCE, MOST_STEPS = 0.2, 1e-3, 300

@@ -4,8 +4,7 @@ Per step: predict, iterate to convergence, then (with design variables) solve wi
 derivatives in one block (staggered direct differentiation, paper eqs. 40-46). Nothing here allocates.
 """
 
-from toolkit.bodies.kernels.constant_kernel import EXACT, LEFT_OUT
-from toolkit.equations.equations import Inputs
+from toolkit.components.bodies.kernels.constant_kernel import EXACT, LEFT_OUT
 from toolkit.foundation.kernel import inlined, loop
 from toolkit.linear.linear_solver import cheaper_anew
 from toolkit.solvers.transient.ggl_step import begin_ggl, ggl_matrix, ggl_sensitivity_step
@@ -30,6 +29,7 @@ from toolkit.solvers.transient.step_memory import (
     guess,
     learn_trend,
 )
+from toolkit.system.equations import Inputs
 
 REUSE_FACTORS_BELOW, JACOBIAN_CHANGE_LIMIT = 1e-10, 1e-6
 """Way from where the factors were made up to which they still serve, also where the relative change of the Jacobian is no more

@@ -30,7 +30,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from toolkit.equations.equations import Inputs, Plan, Terms, allocate_terms
 from toolkit.foundation.compiled.calls import in_memory
 from toolkit.foundation.compiled.rows import filled_up
 from toolkit.foundation.kernel import inner
@@ -39,6 +38,7 @@ from toolkit.linear.sparse_analysis import analyse
 from toolkit.solvers.transient.scheme import advance_auxiliary, by_acceleration, predict
 from toolkit.solvers.transient.step_gradients import add_design_change, add_state_change
 from toolkit.solvers.transient.step_memory import AT_FAULT, LAST
+from toolkit.system.equations import Inputs, Plan, Terms, allocate_terms
 
 
 class Products(NamedTuple):

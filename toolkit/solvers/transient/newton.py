@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.bodies.kernels.constant_kernel import EXACT, ROUGH
-from toolkit.bodies.kernels.spatial_floating import is_mixed
+from toolkit.components.bodies.kernels.constant_kernel import EXACT, ROUGH
+from toolkit.components.bodies.kernels.spatial_floating import is_mixed
 from toolkit.foundation.kernel import copy, inlined
 from toolkit.linear.linear_solver import NO_REFINEMENT_NEEDED as UNREFINED_BLOCK
 from toolkit.linear.linear_solver import apply_inverse, factorize, solve_checked

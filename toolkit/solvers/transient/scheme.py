@@ -35,7 +35,7 @@ class Scheme(NamedTuple):
         q_+ = q_n + h keep v_n + h^2 [beta_old w_n + beta w_+]
         0   = weight_inertial I_+ + weight_applied A_+ + carried_inertial I_n + carried_applied A_n
 
-    with the two groups I, A of the residual (`toolkit.equations.equations`). The local error of q is error h^2 (w_+ - w_n) up to terms of
+    with the two groups I, A of the residual (`toolkit.system.equations`). The local error of q is error h^2 (w_+ - w_n) up to terms of
     higher order. Without `inertia` what mass does is left out of both groups.
     """
 

@@ -4,20 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.bodies.kernels.constant_kernel import LEFT_OUT
-from toolkit.equations.equations import (
-    DesignSums,
-    GatheredPlan,
-    Inputs,
-    Plan,
-    ScratchMemory,
-    Terms,
-    add_up,
-    allocate_terms,
-    allocate_work,
-    design_sums,
-    gather,
-)
+from toolkit.components.bodies.kernels.constant_kernel import LEFT_OUT
 from toolkit.foundation.compiled.rows import add_rows, filled_up
 from toolkit.foundation.kernel import inner, loop
 from toolkit.linear.linear_solver import (
@@ -30,6 +17,19 @@ from toolkit.linear.linear_solver import (
 )
 from toolkit.linear.sparse_analysis import LUPlan
 from toolkit.solvers.transient.scheme import advance_auxiliary, by_acceleration, newton_matrix, predict, with_step
+from toolkit.system.equations import (
+    DesignSums,
+    GatheredPlan,
+    Inputs,
+    Plan,
+    ScratchMemory,
+    Terms,
+    add_up,
+    allocate_terms,
+    allocate_work,
+    design_sums,
+    gather,
+)
 
 
 @inner

@@ -22,12 +22,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from toolkit.equations.equations import Plan, ScratchMemory, Terms, allocate_terms, allocate_work
 from toolkit.foundation.compiled.rows import LANES, add_to_each, filled_up
 from toolkit.foundation.kernel import inlined, inner
 from toolkit.linear.linear_solver import LinearSolver, cleared, linear_solver
 from toolkit.linear.sparse_analysis import LUPlan
 from toolkit.solvers.transient.scheme import by_acceleration
+from toolkit.system.equations import Plan, ScratchMemory, Terms, allocate_terms, allocate_work
 from toolkit.system.system import System
 
 HIGHEST_ORDER = 6

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from toolkit.analyses.sensitivity.preparation import prepare, solve
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.scene.changed_numbers import with_numbers
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.preparation import prepare, solve
 from toolkit.studies.find_uncertainty import find_uncertainty
 from toolkit.studies.optimization.explored import SearchResult
 from toolkit.studies.optimization.program import Price, objective_of

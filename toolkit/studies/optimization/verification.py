@@ -7,15 +7,15 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
+from toolkit.analyses.sensitivity.certificate.certificate import certify
+from toolkit.analyses.sensitivity.compiled import Compiled
+from toolkit.analyses.sensitivity.direct import direct, values_alone
+from toolkit.analyses.sensitivity.run import Run
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import NoLimitPointError, ToolkitError
 from toolkit.foundation.verdict import Caution
 from toolkit.responses.least_frequency import LoadMargin
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.certificate.certificate import certify
-from toolkit.sensitivity.compiled import Compiled
-from toolkit.sensitivity.direct import direct, values_alone
-from toolkit.sensitivity.run import Run
 from toolkit.studies.problem import LARGEST_LOAD_FACTOR, Problem, by_case
 from toolkit.studies.solved_design import CaseRun, load_margin, norms, scene_at, solve_design
 from toolkit.studies.store import DesignOutcome

@@ -29,14 +29,14 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from toolkit.analyses.sensitivity.adjoint import adjoint_gradients
+from toolkit.analyses.sensitivity.direct import typical_size
+from toolkit.analyses.sensitivity.preparation import by_name, evaluate_with_gradients, prepare
 from toolkit.analyses.transient import simulate
 from toolkit.foundation.errors import ConvergenceError, InputError, ModelFileError, NeedsDirectError, ToolkitError
 from toolkit.responses.response import Response
 from toolkit.scene.resolution import loaded
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.adjoint import adjoint_gradients
-from toolkit.sensitivity.direct import typical_size
-from toolkit.sensitivity.preparation import by_name, evaluate_with_gradients, prepare
 from toolkit.studies.store import RunOutcome, scene_fingerprint
 from toolkit.system.solution import Solution
 from toolkit.system.system import System

@@ -9,13 +9,13 @@ from typing import Any, Literal
 
 import numpy as np
 
-from toolkit.bodies.body import Body
-from toolkit.bodies.model_body import ModelBody
+from toolkit.components.bodies.body import Body
+from toolkit.components.bodies.model_body import ModelBody
 from toolkit.description.run_options import Baumgarte, time_grid
+from toolkit.files.gradient_units import dimensions, number_dimension
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import LABELLED, unit
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.gradient_units import dimensions, number_dimension
 
 Judge = Literal["reference", "half step", "own units"]
 

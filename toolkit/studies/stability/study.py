@@ -7,12 +7,12 @@ from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from toolkit.analyses.sensitivity.direct import typical_size
+from toolkit.files.gradient_units import converted, number_factor, response_factor
 from toolkit.foundation.errors import InputError, meant
 from toolkit.foundation.units import UNIT_SYSTEMS
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.gradient_units import converted, number_factor, response_factor
-from toolkit.sensitivity.direct import typical_size
 from toolkit.studies.executor import Executor, Progress, run_jobs
 from toolkit.studies.stability.cells import (
     CellClass,

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from typing import Any
 
+from toolkit.analyses.sensitivity.chosen_frames import with_frames
 from toolkit.foundation.errors import InputError
 from toolkit.scene.resolution import cuttable, fewest_cut, most_frames
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.chosen_frames import with_frames
 from toolkit.studies.tradeoff.setting import ALL_SHAPES, EVERY_ELEMENT, Choice
 
 AXES = {

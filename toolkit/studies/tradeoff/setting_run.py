@@ -12,18 +12,18 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from toolkit.analyses.sensitivity.certificate.fresh_models import build_all, given_values, rebuildable, source, with_model
+from toolkit.analyses.sensitivity.compiled import Compiled
+from toolkit.analyses.sensitivity.direct import by_direct, values_alone
+from toolkit.analyses.sensitivity.methods import DIFFERENTIATED, choose
+from toolkit.analyses.sensitivity.preparation import variable_sizes
+from toolkit.analyses.sensitivity.run import Run
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import NeedsDirectError, ToolkitError
 from toolkit.foundation.files.safe_files import write_whole
 from toolkit.foundation.files.toml_file import read_toml
 from toolkit.reduced_model.file import is_reduced_model
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.certificate.fresh_models import build_all, given_values, rebuildable, source, with_model
-from toolkit.sensitivity.compiled import Compiled
-from toolkit.sensitivity.direct import by_direct, values_alone
-from toolkit.sensitivity.methods import DIFFERENTIATED, choose
-from toolkit.sensitivity.preparation import variable_sizes
-from toolkit.sensitivity.run import Run
 from toolkit.studies.executor import Executor, Progress, run_jobs
 from toolkit.studies.store import RunFolder, file_hashes, hashed, scene_fingerprint
 from toolkit.studies.tradeoff.frame_axes import framed

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from toolkit.analyses.sensitivity.certificate.fresh_models import rebuildable
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.toml_file import read_toml
 from toolkit.foundation.processes import is_installed
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.certificate.fresh_models import rebuildable
 from toolkit.studies.tradeoff.setting import Choice
 
 AXES = {

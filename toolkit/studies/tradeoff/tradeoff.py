@@ -23,12 +23,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 
+from toolkit.analyses.sensitivity.chosen_frames import automatic
+from toolkit.analyses.sensitivity.preparation import responses_of
 from toolkit.description.run_options import RunOptions
+from toolkit.files.scene_reader import read_scene
 from toolkit.foundation.errors import InputError
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.chosen_frames import automatic
-from toolkit.sensitivity.preparation import responses_of
 from toolkit.studies.executor import Progress
 from toolkit.studies.tradeoff.axes import read_axes
 from toolkit.studies.tradeoff.frame_axes import framed

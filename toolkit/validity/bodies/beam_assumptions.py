@@ -27,10 +27,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from toolkit.bodies.cuttable_body import CuttableBody
-from toolkit.bodies.framed_part import FramedPart
-from toolkit.bodies.model_body import ModelBody
-from toolkit.compilation.quantities import pressures_of
+from toolkit.components.bodies.cuttable_body import CuttableBody
+from toolkit.components.bodies.framed_part import FramedPart
+from toolkit.components.bodies.model_body import ModelBody
 from toolkit.foundation.near_ties import spread
 from toolkit.foundation.verdict import STATES, Caution, check
 from toolkit.responses.energy import StrainEnergy
@@ -38,6 +37,7 @@ from toolkit.responses.local_stress import LocalStress
 from toolkit.responses.over_time import OverTime
 from toolkit.responses.stress import StressResponse
 from toolkit.scene.resolution import ResolvedScene
+from toolkit.system.quantities import pressures_of
 from toolkit.system.solution import Solution, deforming, design_point, elastic_coordinates, elements_of
 from toolkit.validity.bodies.carried_force import static_deflection
 from toolkit.validity.bodies.chain import Chain, Sides, motion_rows, sides_of

@@ -28,7 +28,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from toolkit.bodies.cut_body import CutBody
+from toolkit.components.bodies.cut_body import CutBody
 from toolkit.foundation.near_ties import first_largest
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import STATES, Caution, check

@@ -25,9 +25,9 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 import scipy
 
+from toolkit.foundation.kinematics.beam_elements import BeamElements, at_place
 from toolkit.foundation.near_ties import first_smallest
 from toolkit.foundation.value_types import Matrix
-from toolkit.kinematics.beam_elements import BeamElements, at_place
 
 UNMOVED_PART = 1e-9
 """Part of the largest movement of a node below which it is round-off: clamped nodes of computed shapes move by some."""

@@ -18,13 +18,13 @@ from collections.abc import Iterator
 import numpy as np
 import scipy
 
-from toolkit.bodies.body import Body
-from toolkit.bodies.model_body import ModelBody
+from toolkit.components.bodies.body import Body
+from toolkit.components.bodies.model_body import ModelBody
+from toolkit.components.loads.bushing import Bushing
 from toolkit.description.description import InSpace
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.near_ties import first_largest
 from toolkit.foundation.verdict import MOTION, Caution, check
-from toolkit.loads.bushing import Bushing
 from toolkit.reduced_model.parts import stiffness_of_spin
 from toolkit.scene.resolution import ResolvedScene
 from toolkit.scene.scene import Scene

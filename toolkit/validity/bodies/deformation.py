@@ -24,9 +24,9 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.bodies.cut_body import CutBody
-from toolkit.bodies.framed_part import FramedPart
-from toolkit.bodies.model_body import ModelBody
+from toolkit.components.bodies.cut_body import CutBody
+from toolkit.components.bodies.framed_part import FramedPart
+from toolkit.components.bodies.model_body import ModelBody
 from toolkit.foundation.near_ties import first_largest
 from toolkit.reduced_model.parts import stiffness_of_spin
 from toolkit.scene.resolution import ResolvedScene, cuttable, fewest_cut, most_frames

@@ -29,12 +29,12 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from toolkit.bodies.body import CENTRE, Body
-from toolkit.bodies.model_body import ModelBody
+from toolkit.components.bodies.body import CENTRE, Body
+from toolkit.components.bodies.model_body import ModelBody
+from toolkit.components.loads.load import Load
 from toolkit.foundation.near_ties import first_largest
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import Caution
-from toolkit.loads.load import Load
 from toolkit.reduced_model.frozen_basis import RICHER_PARTS, RicherModel, is_frozen, richer_model, turns
 from toolkit.reduced_model.model import MEAN_AXES, ReducedModel, place_parameter
 from toolkit.responses.pencil import Pencil, free_pencil, pencil_of, real_pencil

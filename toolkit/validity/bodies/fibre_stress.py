@@ -29,11 +29,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.bodies.model_body import ModelBody
+from toolkit.components.bodies.model_body import ModelBody
 from toolkit.foundation.itself import Itself
+from toolkit.foundation.kinematics.beam_elements import BeamElements
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import STATES, Caution, check
-from toolkit.kinematics.beam_elements import BeamElements
 from toolkit.reduced_model.model import Mesh
 from toolkit.reduced_model.parts import BeamSections
 from toolkit.scene.resolution import ResolvedScene

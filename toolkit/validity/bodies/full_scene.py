@@ -25,8 +25,8 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from toolkit.bodies.cut_body import CutBody
-from toolkit.bodies.framed_part import FramedPart, whole_design
+from toolkit.components.bodies.cut_body import CutBody
+from toolkit.components.bodies.framed_part import FramedPart, whole_design
 from toolkit.foundation.verdict import Caution
 from toolkit.reduced_model.cut_chain import PartShapes
 from toolkit.reduced_model.cut_part import ChainPart

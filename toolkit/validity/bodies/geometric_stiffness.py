@@ -23,8 +23,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy
 
-from toolkit.compilation.numbering import grips_of
-from toolkit.compilation.quantities import named_loads
 from toolkit.description.design import BodyPoint
 from toolkit.responses.balance import law_of_load
 from toolkit.responses.least_squares_forces import wrenches_of_joints
@@ -42,6 +40,8 @@ from toolkit.solvers.static.static_matrix import (
     static_array,
     whole_array,
 )
+from toolkit.system.numbering import grips_of
+from toolkit.system.quantities import named_loads
 from toolkit.system.solution import Solution, design_point, flexible_body
 from toolkit.system.system import System
 from toolkit.validity.bodies.chain import Chain

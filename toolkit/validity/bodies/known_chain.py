@@ -51,9 +51,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from toolkit.bodies.framed_part import FramedPart, whole_design
-from toolkit.kinematics.beam_elements import IN_PLANE
-from toolkit.kinematics.orientation import axes_along, skew
+from toolkit.components.bodies.framed_part import FramedPart, whole_design
+from toolkit.foundation.kinematics.beam_elements import IN_PLANE
+from toolkit.foundation.kinematics.orientation import axes_along, skew
 from toolkit.reduced_model.cut_part import ChainPart
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.model import MEAN_AXES, Mesh, ReducedModel, chord_of

@@ -24,11 +24,11 @@ from typing import Any
 import numpy as np
 import scipy
 
-from toolkit.bodies.model_body import ModelBody
+from toolkit.components.bodies.model_body import ModelBody
+from toolkit.components.markers.planar import MarkerState
+from toolkit.components.markers.spatial import SpatialMarkerState
 from toolkit.foundation.near_ties import spread
 from toolkit.foundation.verdict import STATES, Caution, check
-from toolkit.markers.planar import MarkerState
-from toolkit.markers.spatial import SpatialMarkerState
 from toolkit.responses.least_frequency import LeastFrequency, LoadMargin
 from toolkit.responses.pencil import Pencil, free_pencil, pencil_of, real_pencil
 from toolkit.responses.response import Instant, Response

@@ -30,13 +30,13 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from toolkit.equations.equations import Inputs
 from toolkit.foundation.near_ties import first_largest
 from toolkit.foundation.verdict import STATES, Caution, check
 from toolkit.responses.flutter import REMEDY, UNSTABLE, fastest_growth, growth_of, may_grow
 from toolkit.responses.pencil import Pencil, free_pencil, pencil_change, pencil_of, real_pencil
 from toolkit.solvers.free_motions import is_symmetric, is_symmetric_everywhere
 from toolkit.solvers.static.equilibrium import LEVELS
+from toolkit.system.equations import Inputs
 from toolkit.system.solution import Solution, elastic_coordinates
 from toolkit.validity.bodies.deformation import LIMIT, divided, flexible_bodies
 from toolkit.validity.bodies.geometric_stiffness import Stiffening, stiffening

@@ -22,13 +22,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from toolkit.bodies.model_body import ModelBody
+from toolkit.components.bodies.model_body import ModelBody
 from toolkit.description.description import Registered
 from toolkit.description.design import BodyPoint
-from toolkit.equations.equations import Inputs
+from toolkit.foundation.kinematics.orientation import axes_along
 from toolkit.foundation.value_types import Record
 from toolkit.foundation.verdict import STATES, Caution, check
-from toolkit.kinematics.orientation import axes_along
 from toolkit.reduced_model.cut_part import ChainPart
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.parts import LeftOutShapes
@@ -39,6 +38,7 @@ from toolkit.responses.over_time import OverTime
 from toolkit.responses.response import Instant
 from toolkit.responses.stress import StressResponse, point_stress
 from toolkit.scene.scene import Scene
+from toolkit.system.equations import Inputs
 from toolkit.system.solution import Solution, deforming, design_point, elastic_coordinates, flexible_body
 from toolkit.validity.bodies.beam_assumptions import FREE_FALL_DIFFERENCE, pull_of_frame
 from toolkit.validity.bodies.deformation import LIMIT, UNDEFORMED_PART, largest_displacement, largest_instants, undeformed_places

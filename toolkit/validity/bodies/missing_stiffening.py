@@ -38,11 +38,11 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.bodies.cut_body import CutBody
-from toolkit.bodies.framed_part import FramedPart
+from toolkit.components.bodies.cut_body import CutBody
+from toolkit.components.bodies.framed_part import FramedPart
+from toolkit.components.joints.joint import Joint
 from toolkit.foundation.near_ties import first_largest
 from toolkit.foundation.verdict import MOTION, SPIN, Caution, check
-from toolkit.joints.joint import Joint
 from toolkit.reduced_model.cut_part import FIRST, LAST
 from toolkit.reduced_model.model import MEAN_AXES, Chord
 from toolkit.responses.least_squares_forces import wrenches_of_joints

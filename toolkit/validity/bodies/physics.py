@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from toolkit.bodies.framed_part import FramedPart
+from toolkit.components.bodies.framed_part import FramedPart
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import MOTION, SPIN, STATES, Caution, check
 from toolkit.responses.least_frequency import LeastFrequency, LoadMargin

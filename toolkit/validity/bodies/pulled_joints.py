@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.bodies.model_body import ModelBody
+from toolkit.components.bodies.model_body import ModelBody
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.near_ties import first_largest
 from toolkit.foundation.units import unit

@@ -1,1 +1,0 @@
-"""From a scene to the flat arrays of the compiled loop."""

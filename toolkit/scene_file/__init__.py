@@ -1,1 +1,0 @@
-"""Scenes as files: read from TOML, described by a JSON schema, brought to other units."""
