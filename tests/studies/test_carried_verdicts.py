@@ -121,7 +121,7 @@ def cantilever(tmp_path_factory):
 
 
 def test_a_beam_that_bends_ever_farther_is_doubted_as_its_single_runs_are(cantilever):
-    """From below the limit of large deformation to beyond that of geometric gradients."""
+    """From below the limits of large deformation and of geometric gradients, which values alone never pass, to beyond both."""
     designs = [{"F": force} for force in np.geomspace(1200.0, 2900.0, 22)]
     found, singles = (cantilever.map(designs, "statics", gradients=True, judged=judged) for judged in (True, "each"))
     carried = [each for each in found if "carried-verdict" in each.verdict.codes]
@@ -131,7 +131,7 @@ def test_a_beam_that_bends_ever_farther_is_doubted_as_its_single_runs_are(cantil
         assert doubts_of(each.verdict) == doubts_of(single.verdict)
         told, own = ({c.code: c.part for c in verdict.warnings if c.body} for verdict in (each.verdict, single.verdict))
         assert all(own[code] / 2 < part < 2 * own[code] for code, part in told.items())
-    assert len({doubts_of(each.verdict) for each in singles}) == 3
+    assert len({doubts_of(each.verdict) for each in singles}) == 2
     assert f"designs[{carried[-1].verdict.measures['carried']['design']}]" in str(carried[-1].verdict)
 
 

@@ -172,7 +172,7 @@ class Verdict:
     measures: Mapping[str, Any] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, cautions: Iterable[Caution], measures: Mapping[str, Any] | None = None) -> Verdict:
+    def of(cls, cautions: Iterable[Caution], measures: Mapping[str, object] | None = None) -> Verdict:
         """Verdict that follows from cautions: each is said once, doubts before remarks."""
         return cls(tuple(sorted(dict.fromkeys(cautions), key=lambda each: not each.doubt)), measures or {})
 
@@ -221,7 +221,7 @@ class Verdict:
         }
 
 
-def finite(value: Any) -> Any:
+def finite(value: object) -> Any:
     """The same value, with None for numbers that JSON does not know."""
     if isinstance(value, Mapping):
         return {key: finite(each) for key, each in value.items()}

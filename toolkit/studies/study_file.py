@@ -16,6 +16,7 @@ from toolkit.description.validation_messages import messages
 from toolkit.files.scene_reader import responses_from_table
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.toml_file import naming_lines, read_toml, refuse_other
+from toolkit.foundation.value_types import TomlTable
 from toolkit.studies.distributions import Uncertain, Uncertainty
 
 Part = Annotated[float, Field(strict=True, gt=1e-12, lt=1.0), Quantity("none")]
@@ -24,7 +25,7 @@ Part = Annotated[float, Field(strict=True, gt=1e-12, lt=1.0), Quantity("none")]
 Method = Literal["slsqp", "trust-constr", "mma", "ccsa"]
 
 
-def _several(value: Any) -> Any:
+def _several(value: object) -> Any:
     """A method alone is the only one."""
     return (value,) if isinstance(value, str) else value
 
@@ -216,7 +217,7 @@ class Limit(Description):
         return self.between if self.between is not None else (self.above, self.below)
 
 
-def _weighted(value: Any) -> Any:
+def _weighted(value: object) -> Any:
     """Weights of an objective; a response alone has the weight one."""
     return {value: 1.0} if isinstance(value, str) else value
 
@@ -367,7 +368,7 @@ def read_study(path: str | Path) -> Study:
         return _study(table, path)
 
 
-def _study(table: dict[str, Any], path: Path) -> Study:
+def _study(table: TomlTable, path: Path) -> Study:
     problems: list[str] = []
     responses = responses_from_table(table.get("responses", {}), problems)
     if not problems:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -256,7 +256,7 @@ class Swept:
             **self.verdict.record(),
         }
 
-    def _extreme(self, label: str, where: Any) -> dict[str, Any]:
+    def _extreme(self, label: str, where: Callable[[np.ndarray], np.intp]) -> dict[str, Any]:
         values = self.values(label)
         k = int(where(values))
         return {"value": float(values[k]), "design": k + 1, "at": self._named(k)}

@@ -227,7 +227,7 @@ def _costs(found: Record) -> Iterator[AnswerTable | str]:
     yield from remarks(found["cost"])
 
 
-def remarks(costs: list[dict[str, Any]]) -> list[str]:
+def remarks(costs: list[Record]) -> list[str]:
     """Sentences on what the numbers mean, and on what dropping gains."""
     lines = [
         "factorization, solution: multiplications of one Newton iteration; bytes read: of the arrays in the files; us: processor time."

@@ -196,7 +196,7 @@ def _copy_attributes(found: h5py.Group, own: h5py.Group) -> None:
         own.attrs[name] = _attribute(found.attrs[name])
 
 
-def _attribute(value: Any) -> Any:
+def _attribute(value: object) -> Any:
     """Attribute as this program would have written it: one number, or a text of fixed length."""
     import h5py
 

@@ -115,7 +115,7 @@ OF_STUDIES = {"variables", "objective", "analysis", "uncertain", "constraints"}
 NAMES: dict[Kind, str] = {"scene": "a scene", "study": "a study", "body": "a file that a reduced model is built from"}
 
 
-def refuse_other(table: Mapping[str, Any], path: Path, wanted: Kind) -> None:
+def refuse_other(table: Mapping[str, object], path: Path, wanted: Kind) -> None:
     """Refuse a file of another kind, before all its keys are unknown.
 
     Raises
@@ -134,7 +134,7 @@ def refuse_other(table: Mapping[str, Any], path: Path, wanted: Kind) -> None:
     raise InputError(f"{told}, not {NAMES[wanted]}. {_ADVICE[wanted, kind](path)}")
 
 
-def _kind(table: Mapping[str, Any]) -> Kind | None:
+def _kind(table: Mapping[str, object]) -> Kind | None:
     """Kind of a file, "scene", "study" or "body"; None if its keys do not say."""
     if table.keys() & OF_SCENES:
         return "scene"
@@ -225,7 +225,7 @@ def parse_toml(text: str) -> dict[str, Any]:
     return table
 
 
-def _check(value: Any, depth: int) -> None:
+def _check(value: object, depth: int) -> None:
     if depth > DEEPEST_TABLE:
         raise ValueError(f"tables or lists are nested more than {DEEPEST_TABLE} deep")
     if isinstance(value, (dict, list)):

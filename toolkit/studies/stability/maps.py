@@ -89,7 +89,7 @@ def scaled(scene: Scene, paths: Mapping[str, float]) -> Scene:
     return scene
 
 
-def with_options(scene: Scene, **changes: Any) -> Scene:
+def with_options(scene: Scene, **changes: object) -> Scene:
     """The scene with other options of the solver."""
     return scene.model_copy(update={"solver": scene.solver.model_copy(update=changes)})
 
@@ -189,7 +189,7 @@ def speed_map(scene: Scene) -> Map:
         raise InputError("neither a velocity at the start nor a time curve sets a speed of the scene")
     axis = Axis("speed", SPEEDS, SPEEDS.index(1.0), factor=True)
 
-    def faster(by: Any) -> Scene:
+    def faster(by: float) -> Scene:
         return scaled(scene, {path: float(by) ** power for path, power in powers.items()})
 
     scenes = over((axis,), faster)
