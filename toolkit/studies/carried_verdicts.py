@@ -7,9 +7,7 @@ a power that is seldom above the fourth: the growth of an element that turns goe
 
 To judge a run costs several more. Where no indicator of two designs changes by more than a part d, what a check measures changes by a
 factor of (1 - d)^-INDICATOR_POWER at most. So the verdict on one holds for the other, unless a measure lies so near its limit that
-this factor leads
-across; and what it tells of sizes is right to this factor.
-"""
+this factor leads across; and what it tells of sizes is right to this factor."""
 
 from __future__ import annotations
 

@@ -4,8 +4,8 @@ Sums of what the design changes in the steps of a backward run, over many steps 
 
 With the multiplier mu of a step its gradient grows by mu^T (f_I I_x + f_A A_x). Some of that changes by the design, and not with time:
 
-    matrices   mu^T (f_I dM a + f_A (dD v + dK q)), row by row, for STEPS_SUMMED_AT_ONCE steps at once: their states and
-    multipliers are kept until then
+    matrices   mu^T (f_I dM a + f_A (dD v + dK q)), row by row, for STEPS_SUMMED_AT_ONCE steps at once: their states
+               and multipliers are kept until then
     points     of pins, z0 and Z of `markers.planar`: mu^T (...) is linear in their derivatives, and what it multiplies them by is summed
                over all steps, whatever the number of variables that move the point
 

@@ -33,11 +33,10 @@ from toolkit.system.equations import Inputs
 
 REUSE_FACTORS_BELOW, JACOBIAN_CHANGE_LIMIT = 1e-10, 1e-6
 """Way from where the factors were made up to which they still serve, also where the relative change of the Jacobian is no more
-than JACOBIAN_CHANGE_LIMIT
-by what a correction of that size leaves: one refinement with the Jacobian of the converged state squares that. Where new factors cost
-less, they are made. The Jacobian itself is that of the converged state after any correction, which is one of its c_q-th part in
-accelerations, and the inertial terms depend on these: after one of 1e-13 the spin of a slender beam about itself had derivatives wrong
-by 6e-6."""
+than JACOBIAN_CHANGE_LIMIT by what a correction of that size leaves: one refinement with the Jacobian of the converged state squares
+that. Where new factors cost less, they are made. The Jacobian itself is that of the converged state after any correction, which is one
+of its c_q-th part in accelerations, and the inertial terms depend on these: after one of 1e-13 the spin of a slender beam about itself
+had derivatives wrong by 6e-6."""
 SAME_QUALITY_BELOW = 1e-4
 """Way up to which new factors are as good as the old ones, whose quality is known: it tells how far pivots are from
 zero, not the digits of the matrix."""

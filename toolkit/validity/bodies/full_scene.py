@@ -12,9 +12,7 @@ Vibrations of a scene whose cut bodies are reduced, in so many more shapes that 
 
 About the state that the reduced scene has come to, every part keeps, besides its own shapes, all modes with its kept coordinates held that
 are slower than `LEFT_OUT_FREQUENCY_RATIO` the fastest vibration that is asked for. What is then left out makes frequencies too
-high by less than 3e-4
-(measured), and none is missing, so that their numbers are those of all coordinates.
-"""
+high by less than 3e-4 (measured), and none is missing, so that their numbers are those of all coordinates."""
 
 from __future__ import annotations
 

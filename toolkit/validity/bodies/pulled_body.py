@@ -9,9 +9,7 @@ slope s across it,
 Where the place that holds the body is on both sides of a point, as with both ends clamped, the line goes from end to end. At the part x of
 its length the point is held by both sides, and E A / L = x (1 - x) / c_a; the ends keep it as long as it is. A plate that is held all round
 has two such lines, and stretches more where it bends more than in the mean: with `PLATE_FACTOR` times that, deflections of a
-clamped plate by a
-force in its middle are those of Timoshenko's, w + 0.443 w^3 / t^2, to a few percent.
-"""
+clamped plate by a force in its middle are those of Timoshenko's, w + 0.443 w^3 / t^2, to a few percent."""
 
 from __future__ import annotations
 

@@ -50,9 +50,7 @@ def round_off(scene: Scene, exact: Run, kind: Kind, unseen: float = UNIMPORTANT_
 
     The scene is solved with other last digits of its own numbers, and differentiated directly and backwards. All that differs is
     round-off; `SPREAD_FACTOR` times the largest difference seen is what two right methods may differ by, and at least the part
-    `unseen` of what
-    the response is or does.
-    """
+    `unseen` of what the response is or does."""
     design, rng = list(exact.solution.system.design.names), np.random.default_rng(1)
     scene = frozen(scene, exact.solution)
     # parameters of reduced models stay: other last digits of a thin body's matrices would be another body, not other round-off
