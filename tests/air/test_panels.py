@@ -146,3 +146,9 @@ def test_what_is_no_contour_is_refused(change, said):
 def test_what_is_no_flap_is_refused(fraction, angle):
     with pytest.raises(InputError, match="flap"):
         ffrf.air.with_flap(naca(60, 0.12), chord_fraction=fraction, angle=angle)
+
+
+@pytest.mark.parametrize("angle", [5.0, np.nan])
+def test_an_angle_in_degrees_is_refused(angle):
+    with pytest.raises(InputError, match="in rad"):
+        ffrf.air.panels(naca(60, 0.12), angle_of_attack=angle)

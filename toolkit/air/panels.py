@@ -20,6 +20,7 @@ from scipy.linalg import lu_factor, lu_solve
 
 from toolkit.air.contour import chord_and_quarter, nose_of, refuse
 from toolkit.air.influence import PanelIntegral, Panels, by_nodes, panels_between, source_integral, vortex_integrals
+from toolkit.foundation.errors import InputError
 
 SHARP_TAIL_GAP = 1e-4
 """Gap between both sides at the tail, in chords, up to which it is closed by no panel of its own (as in XFOIL)."""
@@ -39,8 +40,13 @@ def panels(contour: np.ndarray, *, angle_of_attack: float | complex) -> PanelFlo
     Raises
     ------
     InputError
-        The contour has no such shape, repeats a point, runs the other way round or crosses itself.
+        The contour has no such shape, repeats a point, runs the other way round or crosses itself, or the angle is more than a
+        right one.
     """
+    if not -np.pi / 2 <= np.real(angle_of_attack) <= np.pi / 2:
+        raise InputError(
+            f"an angle of attack of {np.real(angle_of_attack):.4g} rad is none. Give an angle in rad, up to a right angle."
+        )
     nodes = np.asarray(contour)
     nodes = nodes if np.iscomplexobj(nodes) else nodes.astype(float)
     refuse(nodes)
