@@ -27,11 +27,9 @@ from scipy.sparse import csr_array, issparse
 
 from preprocessing.elements.section import Patch, Terms
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.value_types import Matrix
 from toolkit.reduced_model.model import Invariants
 from toolkit.reduced_model.parts import PAIRS, SpatialInvariants
-
-Matrix: TypeAlias = np.ndarray | csr_array
-"""Dense or sparse matrix."""
 
 Pair = tuple[int, int]
 """Axes a and b of a component mass matrix M_ab; M_ba is its transpose."""

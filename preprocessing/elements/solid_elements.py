@@ -51,7 +51,7 @@ CUBE_MIDDLES = np.array(
 """Middles of their edges and faces, and of themselves, in that order."""
 NUMBERS_AT_ONCE = 3_000_000
 """Numbers of gradients of shape functions at once."""
-FEW_POINTS = 3_000
+MOST_KEPT_POINTS = 3_000
 """Coordinates of points of the reference element at which values of shape functions are kept."""
 SMALLEST_VOLUME = 1e-8
 """Smallest area or volume of an element at a point, in parts of the power of its largest extent."""
@@ -145,7 +145,7 @@ def _evaluated_once(shapes: type[skfem.Element]) -> skfem.Element:
 
 def _function_at(shapes: type[skfem.Element], points: np.ndarray, number: int) -> tuple[np.ndarray, np.ndarray]:
     """Shape function and its gradient at points of the reference element; those at a few points are kept."""
-    if points.size > FEW_POINTS:
+    if points.size > MOST_KEPT_POINTS:
         found: tuple[np.ndarray, np.ndarray] = shapes().lbasis(points, number)
         return found
     return _known_function(shapes, np.asarray(points, float).tobytes(), points.shape, number)  # type: ignore[arg-type]

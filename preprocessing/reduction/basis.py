@@ -14,11 +14,11 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from preprocessing.elements.element import Matrix
 from preprocessing.reduction.boundary import Boundary
 from preprocessing.reduction.constrained_pencil import ConstrainedPencil, ConstraintModes
 from preprocessing.reduction.normal_modes import NormalModes, subspace_rates
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.value_types import Matrix
 
 
 class ElasticShapes(Protocol):

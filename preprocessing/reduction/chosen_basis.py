@@ -9,7 +9,6 @@ from typing import ClassVar
 
 import numpy as np
 
-from preprocessing.elements.element import Matrix
 from preprocessing.reduction.basis import BasisChoice, ElasticShapes, InterfaceShapes, ModeShapes, ReductionBasis
 from preprocessing.reduction.boundary import (
     Boundary,
@@ -32,6 +31,7 @@ from preprocessing.reduction.normal_modes import (
 )
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.near_ties import first_largest
+from toolkit.foundation.value_types import Matrix
 from toolkit.reduced_model.model import MEAN_AXES, Chord
 
 REGULAR_CONDITION = 1e-6

@@ -9,8 +9,8 @@ import numpy as np
 from scipy.linalg import lu_solve, null_space
 from scipy.linalg.lapack import get_lapack_funcs
 
-from preprocessing.elements.element import Matrix
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.value_types import Matrix
 
 SINGULAR_CONDITION = 1e-15
 """Reciprocal condition number, after equilibration, of a matrix that cannot be told from a singular one."""

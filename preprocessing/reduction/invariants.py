@@ -18,10 +18,11 @@ from dataclasses import fields, replace
 import numpy as np
 from scipy.sparse import coo_array, csr_array, issparse, vstack
 
-from preprocessing.elements.element import Coordinates, ElementForm, Matrix, sparse_of, without_cancelled
+from preprocessing.elements.element import Coordinates, ElementForm, sparse_of, without_cancelled
 from preprocessing.elements.section import Monomial
 from preprocessing.reduction.assembly import PARTS, Matrices, MatrixPart, Parts, energies, energy, symmetric
 from preprocessing.reduction.stored_entries import AnyInvariants
+from toolkit.foundation.value_types import Matrix
 from toolkit.reduced_model.dependence import SparsePolynomial
 
 

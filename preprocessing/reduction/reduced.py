@@ -11,7 +11,6 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse import csr_array, issparse
 
-from preprocessing.elements.element import Matrix
 from preprocessing.mesh.solid_mesh import SolidMesh
 from preprocessing.reduction.assembly import Matrices, Parts
 from preprocessing.reduction.basis import BasisChoice, ReductionBasis
@@ -32,6 +31,7 @@ from preprocessing.reduction.stored_entries import (
 )
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import unit
+from toolkit.foundation.value_types import Matrix
 from toolkit.reduced_model.composition import (
     LONGEST_SENTENCE,
     Attributes,

@@ -18,12 +18,13 @@ from functools import cached_property
 import numpy as np
 from scipy import sparse
 
-from preprocessing.elements.element import Element, Matrix
+from preprocessing.elements.element import Element
 from preprocessing.reduction.assembly import Matrices, symmetric
 from preprocessing.reduction.discretisation import STEP, derivative_of
 from preprocessing.reduction.solid_systems import free_system, held_system
 from preprocessing.reduction.sparse_modes import ShiftedSystem
 from preprocessing.reduction.stored_entries import ROUND_OFF, SHAPE_ROUND_OFF, AnyInvariants
+from toolkit.foundation.value_types import Matrix
 from toolkit.reduced_model.parts import Spin
 
 

@@ -15,7 +15,7 @@ from dataclasses import fields, replace
 import numpy as np
 from scipy.sparse import csr_array, issparse
 
-from preprocessing.elements.element import Matrix
+from toolkit.foundation.value_types import Matrix
 from toolkit.reduced_model.dependence import Derivatives, SparsePolynomial, listed
 from toolkit.reduced_model.model import InterfacePoint, Invariants
 from toolkit.reduced_model.parts import SpatialInvariants

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -39,9 +39,6 @@ from toolkit.scene.resolution import loaded, resolve
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 from toolkit.system.system import System, compile_scene
-
-if TYPE_CHECKING:
-    pass
 
 VECTORS = ("position", "axis 1", "axis 2", "axis 3")
 """Vectors of the pose of a marker in space."""

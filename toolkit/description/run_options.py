@@ -82,8 +82,7 @@ def _of_times(options: RunOptions, times: tuple[float, ...]) -> Iterator[str]:
     elif options.formulation != "index-1" and any(a > STEEPEST_STEP_CHANGE * b for a, b in pairwise(lengths)):
         yield (
             f"times hold a step that is more than {STEEPEST_STEP_CHANGE:g} times shorter than the one before: what that left "
-            "of the joints' "
-            "velocities would be a blow; let steps shrink gradually, or take index-1"
+            "of the joints' velocities would be a blow; let steps shrink gradually, or take index-1"
         )
     if options.local_error is not None:
         yield "times are given, so that local_error has nothing to choose; leave one of them out"

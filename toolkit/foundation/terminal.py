@@ -6,15 +6,12 @@ import errno
 import json
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 from toolkit.foundation.errors import ToolkitError, out_of_memory, refusal
 from toolkit.foundation.verdict import finite
-
-if TYPE_CHECKING:
-    pass
 
 INTERRUPTED = 130
 """Exit code of a command that Ctrl-C ended, as shells have it."""

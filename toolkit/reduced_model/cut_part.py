@@ -92,7 +92,7 @@ class ChainPart(ABC):
 
     @property
     def n_f(self) -> int:
-        """Scalar of elastic coordinates."""
+        """Number of elastic coordinates."""
         return self.recovery.shape[1] - 1
 
     def at(self, place: ChainPlace) -> tuple[np.ndarray, np.ndarray]:

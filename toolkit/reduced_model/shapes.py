@@ -194,7 +194,7 @@ def _diagonal_of_inertia(inv: Invariants | SpatialInvariants) -> np.ndarray:
 
 
 def _planes(moment: Matrix, z: int) -> int:
-    """Scalar of matrices (z, z) stacked in an array."""
+    """Number of matrices (z, z) stacked in an array."""
     return int(np.prod(moment.shape)) // z**2
 
 

@@ -205,7 +205,7 @@ def power_of_gravity(solution: Solution, name: str) -> Callable[[int], Partials]
 
 
 def _place(path: str) -> int:
-    """Scalar of the component of a vector that a path leads to."""
+    """Number of the component of a vector that a path leads to."""
     last = path.rpartition(".")[2]
     return "xyz".index(last) if last in "xyz" else int(last)
 

@@ -261,6 +261,13 @@ def changes_at_peaks(solution: Solution) -> dict[str, dict[str, float]]:
     A parabola through the three values about the largest one has its vertex at the peak, one through their derivatives tells these there.
     Of derivatives of the states alone, and where the solution holds them; a value is flat at its peak, its derivatives are not.
     """
+    if changes_at_peaks not in solution.known:
+        solution.known[changes_at_peaks] = _changes_at_peaks(solution)
+    found: dict[str, dict[str, float]] = solution.known[changes_at_peaks]
+    return found
+
+
+def _changes_at_peaks(solution: Solution) -> dict[str, dict[str, float]]:
     if solution.run_times is not None or not solution.dq.shape[2]:
         return {}
     found = {}

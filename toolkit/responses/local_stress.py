@@ -32,7 +32,7 @@ class StressPlaces(NamedTuple):
     fibre: np.ndarray
 
     def nearest(self, place: np.ndarray, fibre: int) -> int:
-        """Scalar of the stress point of a fibre (0 for any) that is nearest to a place; of equally near ones the first.
+        """Number of the stress point of a fibre (0 for any) that is nearest to a place; of equally near ones the first.
 
         Raises
         ------
@@ -45,7 +45,7 @@ class StressPlaces(NamedTuple):
         return int(rows[first_smallest(np.sqrt(np.sum((self.place[rows] - place) ** 2, axis=1)))])
 
     def near(self, place: np.ndarray, fibre: int) -> int:
-        """Scalar of the nearest stress point, as `nearest`, if it is near the place.
+        """Number of the nearest stress point, as `nearest`, if it is near the place.
 
         Raises
         ------
@@ -174,7 +174,7 @@ class StressAtPoint(LocalStress):
     place: Annotated[Pair | Triple, Quantity("length")]
 
     def rows(self, scene: ResolvedScene) -> list[int]:
-        """Scalar of the stress point that is nearest to the place."""
+        """Number of the stress point that is nearest to the place."""
         refuse_other_space(self.place, scene)
         return [stress_places(scene, self.body).near(np.array(self.place), FIBRES[self.fibre])]
 

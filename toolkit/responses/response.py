@@ -158,7 +158,7 @@ class Instant(Response):
         """Value and partial derivatives at one step; q, v (n_q,), multipliers (n_lam,), design (n_x,)."""
 
     def step(self, solution: Solution) -> int:
-        """Scalar of the step at `time`.
+        """Number of the step at `time`.
 
         Raises
         ------
@@ -168,7 +168,7 @@ class Instant(Response):
         return self.nearest(solution.times)
 
     def nearest(self, times: np.ndarray) -> int:
-        """Scalar of the step at `time` among the given times; errors as `step`."""
+        """Number of the step at `time` among the given times; errors as `step`."""
         if self.time is None:
             return len(times) - 1
         step = int(np.argmin(np.abs(times - self.time)))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, Self, TypeVar
+from typing import Any, Self, TypeVar
 
 import numpy as np
 from pydantic import PrivateAttr
@@ -23,9 +23,6 @@ from toolkit.foundation.value_types import Scalar
 from toolkit.reduced_model.cut_chain import breaks, chain_nodes, node_labels, place_at, place_of
 from toolkit.reduced_model.model import ReducedModel, place_parameter
 from toolkit.scene.scene import Scene, known
-
-if TYPE_CHECKING:
-    pass
 
 T = TypeVar("T")
 
@@ -455,7 +452,7 @@ def _shared(ends: list[int], frames: int) -> list[int]:
 
 
 def _node(name: str, model: ReducedModel, place: int | str) -> int:
-    """Scalar of the element that begins at a node, given by its number along a chain or by the name of an interface point."""
+    """Number of the element that begins at a node, given by its number along a chain or by the name of an interface point."""
     assert model.elements is not None
     connectivity = model.elements.connectivity
     count = len(connectivity)
@@ -482,7 +479,7 @@ def _node(name: str, model: ReducedModel, place: int | str) -> int:
 
 
 def _begun_at(name: str, connectivity: np.ndarray, node: int) -> int:
-    """Scalar of the element that begins at a node and does not end the body there."""
+    """Number of the element that begins at a node and does not end the body there."""
     begun = np.flatnonzero(connectivity[:, 0] == node)
     if np.count_nonzero(connectivity == node) < 2:
         where = node_labels(connectivity)[node]

@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, Self, TypeVar
+from typing import Literal, Self, TypeVar
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -28,9 +28,6 @@ from toolkit.reduced_model.frozen_basis import RICHER_PARTS, RicherModel, richer
 from toolkit.reduced_model.model import ReducedModel, place_parameter
 from toolkit.scene.design_variables import variables_of
 from toolkit.scene.space import SPACES, Space
-
-if TYPE_CHECKING:
-    pass
 
 GROUPS = ("points", "bodies", "joints", "loads", "responses")
 """Tables of names."""
@@ -259,7 +256,7 @@ class Scene(Description):
         return sum(found, np.zeros(self.dimension))
 
     def number(self, path: str) -> Scalar:
-        """Scalar at a path; a flexible body's parameter that the scene does not set has its nominal value.
+        """Number at a path; a flexible body's parameter that the scene does not set has its nominal value.
 
         Raises
         ------
@@ -287,7 +284,7 @@ class Scene(Description):
         return path if known else lettered(path, self._numbers_near(path))
 
     def _written(self, path: str) -> Scalar | None:
-        """Scalar at a path, if the scene writes one there."""
+        """Number at a path, if the scene writes one there."""
         group, name, *keys = (*path.split("."), "", "")[: 2 + max(0, path.count(".") - 1)]
         items = getattr(self, group) if group in type(self).model_fields else None
         return number_at(items[name], keys) if isinstance(items, dict) and name in items else dict(self.numbers()).get(path)

@@ -250,8 +250,7 @@ def marginal_of(name: str, described: Uncertain, own: float) -> Marginal:
     if not ndtr(ends[1]) - ndtr(ends[0]) > LEAST_PROBABILITY:
         raise InputError(
             f"uncertain.{name}: less than {LEAST_PROBABILITY:g} of a {described.distribution} number with mean {mean:g} and "
-            f"sigma {sigma:g} lies "
-            f"between {low:g} and {high:g}. Move the bounds to where the number is."
+            f"sigma {sigma:g} lies between {low:g} and {high:g}. Move the bounds to where the number is."
         )
     return Marginal(whole.middle, whole.width, whole.logarithmic, False, *map(float, ends))
 

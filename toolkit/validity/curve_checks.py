@@ -235,8 +235,8 @@ def unseen_moves(solution: Solution, variables: Collection[str]) -> Iterator[Cau
             if loss is not None and loss.part > HIDDEN_CHANGE:
                 yield unseen_moves.caution(
                     f"derivatives by {name} miss {min(loss.part, 1):.0%} (limit {HIDDEN_CHANGE:.0%}) of what it does to "
-                    f"{'.'.join(item)}.curve, "
-                    f"most near t = {loss.time:.4g}. The curve changes faster there than steps are short. Runs with other steps may miss "
+                    f"{'.'.join(item)}.curve, most near t = {loss.time:.4g}. The curve changes faster there than steps are short. "
+                    "Runs with other steps may miss "
                     f"the same and agree. Fix: a curve that changes over several steps, or steps of {loss.shortest / 10:.2g} there "
                     "(solver.times).",
                 )

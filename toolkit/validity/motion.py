@@ -293,8 +293,8 @@ def coarse_steps(solution: Solution) -> Iterator[Caution]:
     if error is not None and not error <= COARSE_LOCAL_ERROR:
         yield coarse_steps.caution(
             f"steps are coarse for this motion: the largest estimated error of one is {error:.1e} of the model size (limit "
-            f"{COARSE_LOCAL_ERROR:g}). "
-            f"Peaks and vibrations may be wrong. Fix: a smaller solver.step, or solver.local_error = {COARSE_LOCAL_ERROR / 10:g} with "
+            f"{COARSE_LOCAL_ERROR:g}). Peaks and vibrations may be wrong. Fix: a smaller solver.step, or solver.local_error = "
+            f"{COARSE_LOCAL_ERROR / 10:g} with "
             'solver.scheme = "arnold-bruels".',
         )
 

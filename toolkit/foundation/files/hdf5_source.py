@@ -19,6 +19,8 @@ UNDEFINED = 2**64 - 1
 """Address of what is not there."""
 MOST_CHECKED = 2**26
 """Bytes of the file's own structures that are checked at most, which takes some ten seconds; none of ours has a tenth of that."""
+LARGEST_KEPT_STRUCTURE = 4096
+"""Bytes of a structure up to which its checksum is kept: a run reads a model several times, and models of one kind have some alike."""
 _WORD = 0xFFFFFFFF
 
 
@@ -67,7 +69,7 @@ class Source:
         end = count - 4 if hole is None else hole
         stored = content[end : end + 4]
         covered = content[:end] if hole is None else content[:end] + bytes(4) + content[end + 4 :]
-        found = _known_checksum if count <= OFTEN else checksum
+        found = _known_checksum if count <= LARGEST_KEPT_STRUCTURE else checksum
         if not content.startswith(signature) or len(stored) < 4 or found(covered) != int.from_bytes(stored, "little"):
             raise ValueError("a checksum is wrong")
         return Cursor(content if hole is not None else covered, len(signature))
@@ -106,10 +108,6 @@ class Cursor:
 def bytes_for(largest: int) -> int:
     """Number of bytes that hold every number up to the largest one."""
     return max(1, (largest.bit_length() + 7) // 8)
-
-
-OFTEN = 4096
-"""Bytes of a structure up to which its checksum is kept: a run reads a model several times, and models of one kind have some alike."""
 
 
 @lru_cache(maxsize=2048)

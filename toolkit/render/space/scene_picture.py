@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pyvista
@@ -37,9 +36,6 @@ from toolkit.render.space.plotter import (
     strokes,
 )
 from toolkit.responses.stress import point_stress
-
-if TYPE_CHECKING:
-    pass
 
 JOINT, UNTOLD = "#3a3f47", "#c8cdd4"
 LOADS = {"force": "#8e2a9e", "torque": "#d2691e"}

@@ -10,7 +10,7 @@ import hashlib
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -23,9 +23,6 @@ from toolkit.scene.scene import Scene
 from toolkit.solvers.start.initial_conditions import ConsistentMotion, closed_start
 from toolkit.system.quantities import STEP
 from toolkit.system.system import System
-
-if TYPE_CHECKING:
-    pass
 
 READ_ANEW = ("model", "extrapolation")
 """Words of a body that may differ from those of the kept run: its reduced model is compared by its content."""

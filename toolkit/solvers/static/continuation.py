@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import islice, pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -32,9 +32,6 @@ from toolkit.solvers.static.path_equations import GrowingLoads, PathEquations, p
 from toolkit.solvers.static.path_steps import Arc, Corrected, arcs, correct, first_point, measure
 from toolkit.system.solution import LimitPoint, StaticPath
 from toolkit.system.system import System
-
-if TYPE_CHECKING:
-    pass
 
 ARC_TOLERANCE = 1e-12
 """Part of an arc to which a place on it is found; at a limit point the load is exact to the square of it."""

@@ -72,8 +72,7 @@ def descend(system: System, options: RunOptions, factor: float, q: np.ndarray, a
     worst = system.most_moved(correction)
     raise ConvergenceError(
         f"the equilibrium is unstable or out of reach: {MOST_STEPS} steps downhill from the given positions end nowhere, last "
-        f"moving {worst}. "
-        "Give positions nearer to the wanted equilibrium, or let a damped transient run find it."
+        f"moving {worst}. Give positions nearer to the wanted equilibrium, or let a damped transient run find it."
         + told_loose(system, options)
         + hint_of_floating(system.scene, system.numbering.bodies_of(_moving(system, correction)))
     )

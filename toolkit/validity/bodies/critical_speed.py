@@ -215,8 +215,8 @@ def turns_in_a_step(solution: Solution) -> Iterator[Caution]:
         steps = np.diff(solution.whole_run).max() * FULL_TURN / (WANTED_STEPS_PER_TURN * far[name])
         yield turns_in_a_step.caution(
             f"{name!r} turns by up to {far[name] / FULL_TURN:.2g} turns in a step (limit {LARGEST_STEP_ANGLE / FULL_TURN:g}). "
-            "Points and forces on it are seen "
-            f"at a few of its angles, and other steps may see the same ones. Fix: solver.step = {steps:.1g}, "
+            "Points and forces on it are seen at a few of its angles, and other steps may see the same ones. Fix: solver.step = "
+            f"{steps:.1g}, "
             f"{WANTED_STEPS_PER_TURN} steps in a turn.",
         )
 

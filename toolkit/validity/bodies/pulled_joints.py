@@ -281,8 +281,7 @@ def _steeper(solution: Solution, found: TooLarge) -> str:
     return (
         f"tension stiffens {found.body} across itself, which these equations do not know: its displacements are {found.part:.1%} too "
         "large, and as tension grows with their square derivatives by what bends it are off by about "
-        f"{DERIVATIVE_ERROR_RATIO * found.part:.0%}. "
-        f"{_remedy(solution, found.body, DERIVATIVE_ERROR_RATIO * found.part)}"
+        f"{DERIVATIVE_ERROR_RATIO * found.part:.0%}. {_remedy(solution, found.body, DERIVATIVE_ERROR_RATIO * found.part)}"
     )
 
 

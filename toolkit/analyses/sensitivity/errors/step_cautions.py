@@ -123,8 +123,7 @@ def _rough_gradients(errors: Gradients) -> Iterator[Caution]:
         yield Caution(
             "rough-gradients",
             f"derivatives are off by the length of the steps: {'; '.join(told)}{_more(rough)} (they are doubted above "
-            f"{GRADIENT_LIMIT:.0%}). "
-            "Fix: a shorter solver.step.",
+            f"{GRADIENT_LIMIT:.0%}). Fix: a shorter solver.step.",
             doubt=False,
         )
 
@@ -208,8 +207,8 @@ def unless_it_converges(
     yield Caution(
         "energy",
         f"energy balance: {max(balance.values()):.1%} of the largest energy or work is gained or lost (limit "
-        f"{ENERGY_DEFECT_LIMIT:.0%}). The responses "
-        "are not affected: with steps half as long this falls with the order of the scheme, and their estimated time-step error is "
+        f"{ENERGY_DEFECT_LIMIT:.0%}). The responses are not affected: with steps half as long this falls with the order of the "
+        "scheme, and their estimated time-step error is "
         f"{max(error.values.values()):.1e} of their peaks.",
         doubt=False,
     )

@@ -40,7 +40,7 @@ LONGER = (2, 4)
 CONTRADICTED_ERROR = 0.04
 """Error by longer steps that steps half as long contradict: these may agree by chance, so that shorter ones decide."""
 TIMES_AS_SHORT = {2: "with steps half as long", 4: "with steps a quarter as long"}
-"""Scalar of parts of a step in runs with shorter steps -> the phrase for it, in the order in which they are tried."""
+"""Number of parts of a step in runs with shorter steps -> the phrase for it, in the order in which they are tried."""
 DERIVATIVE_FACTOR = 2.0
 """Factor by which errors of derivatives may be larger than those of values."""
 ZERO_NUMBER = 1e-6
@@ -50,7 +50,7 @@ MOST_STEPS, MOST_NUMBERS = 10_000, 2_000_000
 VIBRATION_SHARE = 0.5
 """Error of a value half of which vibrations must explain, or half of all that is larger, to be told as theirs."""
 STEPS_PER_PERIOD = 20
-"""Scalar of steps in a period of a vibration that is to last."""
+"""Number of steps in a period of a vibration that is to last."""
 CERTAIN_ERROR = 0.01
 """Estimated error by longer steps up to which no shorter ones are asked: it was never too small by more than a factor of four in 200
 random scenes (`tests.benchmarks.random_scenes`)."""
