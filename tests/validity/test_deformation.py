@@ -20,12 +20,14 @@ from tests.models.scenes import hanging_skin
 from toolkit.analyses.sensitivity.preparation import prepare, solve
 from toolkit.command_line.cli import app
 from toolkit.command_line.run_answer import deformation_record, deformation_table
+from toolkit.components.bodies.model_body import FRAME
+from toolkit.description.design import BodyPoint
 from toolkit.files.scene_reader import read_scene
 from toolkit.foundation import processes
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.file import load, save
 from toolkit.responses.joint_force import JointForce
-from toolkit.scene.resolution import loaded
+from toolkit.scene.resolution import loaded, resolve
 from toolkit.validity.bodies.chain import (
     mean_rows,
     second_order_forces,
@@ -33,7 +35,7 @@ from toolkit.validity.bodies.chain import (
 )
 from toolkit.validity.bodies.corotational_beams import Corotational, compare_with_corotational, compared
 from toolkit.validity.bodies.critical_speed import critical_speed
-from toolkit.validity.bodies.deformation import INSTANTS, LIMIT, deformation, deformations, largest_instants
+from toolkit.validity.bodies.deformation import INSTANTS, LIMIT, deformation, deformations, divided, largest_instants
 from toolkit.validity.bodies.known_chain import PlanarChain, chain, planar_chain
 
 pytestmark = pytest.mark.usefixtures("programs_here")
@@ -370,3 +372,11 @@ def test_check_deformation_needs_no_preprocessing(monkeypatch):
     monkeypatch.setattr(processes, "is_installed", lambda: False)
     done = run("check-deformation", WING, "--static", *BRIEFLY, "--json")
     assert json.loads(done.stdout)["deformation"]["skin"]["error"]["value"] > 0.1
+
+
+def test_more_frames_are_advised_with_what_they_refuse():
+    """A body with several frames has no point at the origin of its frame: who follows the advice has to move what is there."""
+    scene = read_scene(MODELS / "morphing_wing" / "scene.toml")
+    held = scene.model_copy(update={"points": {**scene.points, "P": BodyPoint(body="skin", interface=FRAME)}})
+    assert "P, now at '(frame)', at an interface point" in divided(resolve(held), "skin", 4.0)
+    assert FRAME not in divided(resolve(scene), "skin", 4.0)

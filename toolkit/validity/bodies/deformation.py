@@ -26,7 +26,9 @@ import numpy as np
 
 from toolkit.components.bodies.cut_body import CutBody
 from toolkit.components.bodies.framed_part import FramedPart
-from toolkit.components.bodies.model_body import ModelBody
+from toolkit.components.bodies.model_body import FRAME, ModelBody
+from toolkit.description.design import BodyPoint
+from toolkit.foundation.errors import listed
 from toolkit.foundation.near_ties import first_largest
 from toolkit.reduced_model.parts import stiffness_of_spin
 from toolkit.scene.resolution import ResolvedScene, cuttable, fewest_cut, most_frames
@@ -359,4 +361,13 @@ def divided(scene: ResolvedScene, body: str, excess: float) -> str:
             if now == most
             else f"set frames = {most} in its table (one floating frame for each {elements_of(scene, body)[:-1]})"
         )
-    return f"set frames = {enough} in its table (splits the body into {enough} floating frames)"
+    return (
+        f"set frames = {enough} in its table (splits the body into {enough} floating frames){_without_frame_point(scene, body)}"
+    )
+
+
+def _without_frame_point(scene: ResolvedScene, body: str) -> str:
+    """What to do about points at the origin of the body's frame, which a body with several frames has not."""
+    points = scene.points.items()
+    at_frame = [name for name, point in points if isinstance(point, BodyPoint) and (point.body, point.interface) == (body, FRAME)]
+    return f" and put {listed(at_frame)}, now at {FRAME!r}, at an interface point of the body" if at_frame else ""
